@@ -137,7 +137,7 @@ void sample_ring_of(const TerrainCommand& options, const Terrain& terrain, std::
 
 bool is_scene(const std::string& file) {
   const RobotFormat* const format = robot_format_of(file);
-  return format != nullptr && format->key == "mjcf";
+  return format != nullptr && (format->key == "mjcf" || format->key == "sdf");
 }
 
 /// The ground of a scene, with what is to be said of it.
@@ -197,8 +197,8 @@ void add_terrain_command(CLI::App& program, Invocation& invocation) {
   command
       ->add_option(
           "terrain", options->terrain,
-          "NAME[:key=value,...], FILE.png or FILE.csv; or FILE.xml, an MJCF whose shapes fixed to the world "
-          "are sampled from above")
+          "NAME[:key=value,...], FILE.png or FILE.csv; or FILE.xml or .sdf, an MJCF or SDF whose shapes "
+          "fixed to the world are sampled from above")
       ->capture_default_str();
   command->add_flag("--list", options->list, "List the generators and their parameters");
   add_seed_option(*command, "--seed", options->seed, "Seed of a random terrain")->capture_default_str();
@@ -206,7 +206,7 @@ void add_terrain_command(CLI::App& program, Invocation& invocation) {
       ->type_name("X,Y");
   command->add_option("--ring", options->ring, "Eight heights around a robot that stands there")
       ->type_name("X,Y,YAW");
-  command->add_option("--cell", options->cell, "Distance of samples of a FILE.xml, m")
+  command->add_option("--cell", options->cell, "Distance of samples of a FILE.xml or .sdf, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   add_output_option(*command, "--png", options->png, "Write the height field as a 16-bit grey picture");

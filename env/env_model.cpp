@@ -3,6 +3,7 @@
 #include "motion/gait_source.h"
 #include "motion/time_steps.h"
 #include "physics/robot/drives.h"
+#include "physics/robot/simulated_contact.h"
 
 namespace crossgait {
 namespace {
@@ -22,9 +23,7 @@ WorldSpec nominal_world(const LoadedEnv& loaded) {
   world.terrain =
       config.at_its_place(config.terrain, [&] { return loaded.ground.make(config.terrain_seed); });
   world.physics_dt = config.physics_dt;
-  world.contact = resolve_contact(world.robot->contact, config.contact, config.source);
-  double& time_constant = world.contact.softness.time_constant;
-  time_constant = time_constant_in_steps(time_constant, world.physics_dt);
+  world.contact = simulated_contact(world.robot->contact, config.contact, world.physics_dt, config.source);
   return world;
 }
 

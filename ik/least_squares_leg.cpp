@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "ik/leg_frames.h"
+#include "physics/robot/followed_joint.h"
 
 namespace crossgait {
 namespace {
@@ -246,28 +248,22 @@ IkStatus shortfall(const LeastSquaresLegGeometry& g, const Vector3& target, cons
 void follow(const RobotDescription& robot, const LegFrames& frames, const SerialChain& chain, int i,
             LeastSquaresLegGeometry& g) {
   LegLink& link = g.links[slot(i)];
-  int joint = chain.joints[slot(i)];
-  const std::string& name = robot.joint(joint).name;
-  const auto servos_end = chain.joints.begin() + chain.servos;
-  for (std::size_t step = 0; std::find(chain.joints.begin(), servos_end, joint) == servos_end; ++step) {
-    const JointCoupling* coupling = robot.coupling_of(joint);
-    if (coupling == nullptr || step > robot.couplings.size())
-      frames.fail(name, "a joint that follows a servo of its leg", "another one");
-    // multiplier (c1 leader + c0) + offset
-    link.offset += link.multiplier * coupling->coefficients[0];
-    link.multiplier *= coupling->coefficients[1];
-    joint = coupling->leader;
-  }
-  link.leader = static_cast<int>(std::find(chain.joints.begin(), servos_end, joint) - chain.joints.begin());
+  const std::string& name = robot.joint(chain.joints[slot(i)]).name;
+  const std::span servos = std::span(chain.joints).first(slot(chain.servos));
+  const FollowedJoint followed = follow_couplings(robot, chain.joints[slot(i)], servos);
+  if (!followed.is_one_of_them) frames.fail(name, "a joint that follows a servo of its leg", "another one");
+  link.multiplier = followed.multiplier, link.offset = followed.offset;
+  link.leader = static_cast<int>(std::ranges::find(servos, followed.joint) - servos.begin());
   if (link.multiplier == 0) return;
   const double a = (link.limits.lower - link.offset) / link.multiplier,
                b = (link.limits.upper - link.offset) / link.multiplier;
   JointLimits& own = g.links[slot(link.leader)].limits;
   own = {std::max(own.lower, std::min(a, b)), std::min(own.upper, std::max(a, b))};
   if (!(own.lower < own.upper))
-    frames.fail(name,
-                fmt::format("limits that leave angles to '{}', which it follows", robot.joint(joint).name),
-                "none");
+    frames.fail(
+        name,
+        fmt::format("limits that leave angles to '{}', which it follows", robot.joint(followed.joint).name),
+        "none");
 }
 
 }  // namespace

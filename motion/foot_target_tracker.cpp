@@ -16,6 +16,31 @@ namespace {
 // Joints that turn slower change their direction, as far as dry friction is concerned.
 constexpr double kSlow = 0.1;  // rad/s, of scara_quadruped
 
+// Of a leg whose knee follows its hip: the foot moves on a surface, and is put where that has the depth and
+// the distance aside that are asked for, by Newton's method from the nearest posture.
+LegInverse solve_aside(const LegKinematics& kinematics, const Vector3& foot) noexcept {
+  constexpr int kIterations = 20;  // from the nearest posture about five are enough
+  const auto* geometry = kinematics.as<LeastSquaresLegGeometry>();
+  LegInverse nearest = kinematics.inverse(foot);
+  if (geometry == nullptr || nearest.status == IkStatus::kInvalidTarget) return nearest;
+  LegInverse placed = nearest;
+  for (int i = 0; i < kIterations; ++i) {
+    const LegForward at = kinematics.forward(placed.posture.servos);
+    const Vector2 off = (foot - at.foot).tail<2>();
+    if (off.norm() < kConverged) {
+      placed.status = IkStatus::kOk;
+      placed.posture.passive = at.passive;
+      return placed;
+    }
+    const Eigen::Matrix2d J = kinematics.jacobian(placed.posture).bottomRows<2>();
+    if (std::abs(J.determinant()) < 1e-12) break;  // m^2/rad^2: the foot cannot be moved both ways
+    placed.posture.servos += J.inverse() * off;
+    for (int k = 0; k < 2; ++k)
+      clamp_angle(placed.posture.servos[k], geometry->links[static_cast<std::size_t>(k)].limits);
+  }
+  return nearest;
+}
+
 }  // namespace
 
 double weight_per_mass(const WorldSpec& world) noexcept { return std::max(0.0, -world.gravity.z()); }
@@ -32,12 +57,6 @@ FootTargetTracker::FootTargetTracker(std::shared_ptr<const RobotDescription> des
   const std::vector<int> actuated = robot.actuated_joints();
   for (const Leg leg : kLegs) {
     const LegKinematics& kinematics = kinematics_[leg];
-    if ((*robot.legs)[leg].linkage == LegLinkage::kKneeFollows) {
-      throw ConfigError(robot.source, fmt::format("legs.{}", name(leg)),
-                        "a leg that can put its foot anywhere in its plane, to walk by feet",
-                        "a knee that follows: hip and knee move the foot along one line (joint targets still "
-                        "do)");
-    }
     LegServos& servos = servos_[leg];
     servos.stiffness.resize(kinematics.servo_count());
     for (std::size_t k = 0; k < kinematics.servo_joints().size(); ++k) {
@@ -72,6 +91,7 @@ void FootTargetTracker::restart() noexcept {
 LegInverse FootTargetTracker::solve(Leg leg, const Vector3& foot) const noexcept {
   const LegKinematics& kinematics = kinematics_[leg];
   if (kinematics.servo_count() == 3) return kinematics.inverse(foot);
+  if ((*robot_->legs)[leg].linkage == LegLinkage::kKneeFollows) return solve_aside(kinematics, foot);
   return kinematics.inverse({foot.x(), 0, foot.z()});
 }
 

@@ -144,7 +144,8 @@ std::string Behaviour::why_not(const Variation& variation) const {
       is_whole_multiple(control_dt, step) &&
       std::all_of(delays.begin(), delays.end(), [step](double d) { return is_whole_multiple(d, step); });
   if (!whole) return "the control step would not be a whole number of steps";
-  const double softened = contact.softness.time_constant * variation.softness;
+  const double simulated = time_constant_in_steps(contact.softness.time_constant, physics_dt),
+               softened = simulated * variation.softness;
   if (variation.softness < 1 && time_constant_in_steps(softened, physics_dt) > (1 + 1e-9) * softened)
     return "contacts are as stiff as the step lets them be";
   if (variation.erp > 1 && contact.erp == 0) return "no penetration is undone";
@@ -188,8 +189,6 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
   behaviour.statistics = motion_statistics(*world.robot, true);
   behaviour.physics_dt = world.physics_dt;
   behaviour.contact = world.contact;
-  behaviour.contact.softness.time_constant =
-      time_constant_in_steps(world.contact.softness.time_constant, world.physics_dt);
   behaviour.control_dt = setup.timing.control_dt;
   behaviour.delays = delays_of(*world.robot);
   const Randomisation starts = ranges.over({}, *world.robot);

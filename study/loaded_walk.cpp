@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "physics/robot/simulated_contact.h"
 #include "physics/robot_files/data_path.h"
 
 namespace crossgait {
@@ -14,9 +15,7 @@ LoadedWalk::LoadedWalk(WalkConfig walk, std::shared_ptr<const RobotDescription> 
   world.robot = std::move(read);
   world.terrain = ground.make(config.terrain_seed);
   world.physics_dt = config.physics_dt;
-  world.contact = resolve_contact(world.robot->contact, config.contact, "walk");
-  double& time_constant = world.contact.softness.time_constant;
-  time_constant = time_constant_in_steps(time_constant, world.physics_dt);
+  world.contact = simulated_contact(world.robot->contact, config.contact, world.physics_dt, "walk");
   world.validate();
 }
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "physics/core/table.h"
+#include "physics/core/text.h"
 #include "physics/robot/joint_numbers.h"
 #include "physics/robot/servo_stability.h"
 #include "physics/robot_files/robot_contact.h"
@@ -49,6 +50,11 @@ class Quantities {
     for (int i = 0; i < loaded_.robot.joint_count(); ++i) add_joint(loaded_.robot.joint(i));
     if (loaded_.robot.legs) {
       for (const Leg leg : kLegs) add_foot(leg);
+    }
+    for (const UnusedQuantity& unused : loaded_.report.unused) {
+      const auto number = parse_number(unused.value);
+      add(unused.of, unused.name, unused.unit, number ? QuantityValue(*number) : QuantityValue(unused.value),
+          QuantityValue(), unused.why);
     }
     add_world();
     return std::move(rows_);
@@ -123,25 +129,35 @@ class Quantities {
   void add_coupling(const Joint& joint) {
     const auto found = loaded_.report.couplings.find(joint.name);
     if (found == loaded_.report.couplings.end()) return;
-    const NamedCoupling& of_file = found->second;
+    const NamedCoupling& said = found->second;
+    const auto in_file = loaded_.report.couplings_of_file.find(joint.name);
+    const NamedCoupling* of_file =
+        in_file == loaded_.report.couplings_of_file.end() ? nullptr : &in_file->second;
     const JointCoupling* used = nullptr;
     for (const JointCoupling& coupling : loaded_.robot.couplings) {
       if (loaded_.robot.joint(coupling.follower).name == joint.name) used = &coupling;
     }
     if (used == nullptr) return;
     const std::string leader = loaded_.robot.joint(used->leader).name;
-    add(joint.name, "follows", "", of_file.leader, leader, of_file.place);
+    const auto file = [of_file](auto says) { return of_file == nullptr ? QuantityValue() : says(*of_file); };
+    add(joint.name, "follows", "", file([](const NamedCoupling& c) { return QuantityValue(c.leader); }),
+        leader, said.place);
     const auto list = [](const std::array<double, 5>& numbers) {
       std::size_t count = numbers.size();
       while (count > 2 && numbers[count - 1] == 0) --count;
       return List(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(count));
     };
-    add(joint.name, "coupling", "rad, -, ...", list(of_file.coefficients), list(used->coefficients),
-        "offset, multiplier, and of higher powers of the leader's angle");
-    add(joint.name, "coupling_solref", "s, -", solref(of_file.softness), solref(used->softness),
-        of_file.place);
-    add(joint.name, "coupling_solimp", "-, -, rad, -, -", solimp(of_file.softness), solimp(used->softness),
-        of_file.place);
+    add(joint.name, "coupling", "rad, -, ...",
+        file([&](const NamedCoupling& c) { return QuantityValue(list(c.coefficients)); }),
+        list(used->coefficients), "offset, multiplier, and of higher powers of the leader's angle");
+    const auto softness = [&](const char* name, const char* unit, List (*numbers)(const Softness&)) {
+      add(joint.name, name, unit, file([numbers](const NamedCoupling& c) {
+            return c.says_softness ? QuantityValue(numbers(c.softness)) : QuantityValue();
+          }),
+          numbers(used->softness), said.says_softness ? said.place : "none is given");
+    };
+    softness("coupling_solref", "s, -", solref);
+    softness("coupling_solimp", "-, -, rad, -, -", solimp);
   }
 
   void add_foot(Leg leg) {
@@ -151,16 +167,17 @@ class Quantities {
     const auto row = [&](std::string_view name, const char* unit, List says, List used) {
       const bool of_friction = name.ends_with("friction");
       const bool stated = numbers.stated.contains(of_friction ? "friction" : std::string(name));
+      const bool is_said = file != nullptr && (stated || loaded_.report.contact.has_mujoco_defaults);
       const std::string of_file =
           stated ? fmt::format("the file (with {})", loaded_.report.contact.ground) : "MuJoCo's default";
-      std::string why = file == nullptr        ? "the world's; the file says nothing"
+      std::string why = !is_said               ? "the world's; the file says nothing"
                         : says == used         ? of_file
                         : of_world_alone(name) ? "not simulated"
                                                : "the world's";
       const auto value = [](List list) {
         return list.size() == 1 ? QuantityValue(list.front()) : QuantityValue(std::move(list));
       };
-      add(of, name, unit, file == nullptr ? QuantityValue() : value(std::move(says)), value(std::move(used)),
+      add(of, name, unit, is_said ? value(std::move(says)) : QuantityValue(), value(std::move(used)),
           std::move(why));
     };
     const ContactSpec& contact = world_.contact;
@@ -182,6 +199,8 @@ class Quantities {
           used("max_depenetration_velocity"));
     row("margin", "m", {numbers.margin}, {0});
     row("gap", "m", {numbers.gap}, {0});
+    for (const auto& [name, unused] : numbers.not_simulated)
+      add(of, name, "", unused.number, QuantityValue(), "not simulated: " + unused.why);
   }
 
   static bool of_world_alone(std::string_view name) { return name == "margin" || name == "gap"; }
@@ -222,10 +241,11 @@ bool is_alike(const QuantityValue& a, const QuantityValue& b) {
   return a == b;
 }
 
-/// Of contact: the file says it, and something else is simulated.
+/// Of contact: the file says it, and something else is simulated. What is not simulated at all is a warning
+/// of the reader's.
 bool is_lost(const RobotQuantity& row) {
   const bool contact = row.of == "world" || row.of.starts_with("foot ");
-  return contact && !is_nothing(row.file) && !is_alike(row.file, row.used);
+  return contact && !is_nothing(row.file) && !is_nothing(row.used) && !is_alike(row.file, row.used);
 }
 
 }  // namespace

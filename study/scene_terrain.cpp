@@ -1,12 +1,12 @@
 #include "study/scene_terrain.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
-#include <functional>
-#include <limits>
 #include <map>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -14,134 +14,51 @@
 
 #include "physics/core/error.h"
 #include "physics/core/math.h"
-#include "physics/robot_files/mesh/convex_hull.h"
+#include "physics/core/text.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
 #include "physics/robot_files/mjcf/mjcf_compile.h"
 #include "physics/robot_files/mjcf/mjcf_defaults.h"
+#include "physics/robot_files/robot_formats.h"
 #include "physics/terrain/terrain.h"
+#include "study/ground_shapes.h"
+#include "study/sdf_ground.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-constexpr double kOnBorder = 1e-9;     // m: what stands on a border is on it
-constexpr double kSmallestGap = 1e-3;  // m: parts that are nearer are one
+constexpr int kLeastSamples = 2, kMostSamples = 4096;  // of a row or a column of a height field
 
-/// Heights between which a vertical line is inside a solid, m.
-struct HeightRange {
-  double bottom = -kUnbounded, top = kUnbounded;
-};
-using MaybeHeights = std::optional<HeightRange>;
-
-/// One shape: its extent in x and y, and the line through it over a point.
-struct Solid {
-  double x_min, x_max, y_min, y_max;
-  std::function<MaybeHeights(double x, double y)> over;
-};
-
-MaybeHeights common_part(const MaybeHeights& a, const MaybeHeights& b) {
-  if (!a || !b) return std::nullopt;
-  const HeightRange common{std::max(a->bottom, b->bottom), std::min(a->top, b->top)};
-  return common.bottom <= common.top ? MaybeHeights(common) : std::nullopt;
+/// Reads MuJoCo's own format: rows, columns (int32), and as many floats, the row of the smallest y first, as
+/// machines of this byte order write them (MuJoCo, XML reference, "asset/hfield/file").
+std::vector<float> read_binary_field(const std::string& file, int& columns, int& rows) {
+  const std::string bytes = read_text_file(file, kTerrainTableBudget);
+  std::array<std::int32_t, 2> counts{};
+  const auto fail = [&file](std::string_view element, const std::string& expected, const std::string& found) {
+    throw ConfigError(file, element, expected, found);
+  };
+  if (bytes.size() < sizeof counts)
+    fail("file", "a height field of MuJoCo's: rows, columns, floats", fmt::format("{} bytes", bytes.size()));
+  std::memcpy(counts.data(), bytes.data(), sizeof counts);
+  for (const std::int32_t count : counts)
+    if (count < kLeastSamples || count > kMostSamples)
+      fail("rows and columns", fmt::format("{} to {} of each", kLeastSamples, kMostSamples),
+           fmt::format("{} x {}", counts[0], counts[1]));
+  rows = counts[0], columns = counts[1];
+  std::vector<float> heights(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  const std::size_t expected = sizeof counts + heights.size() * sizeof(float);
+  if (bytes.size() != expected)
+    fail("file", fmt::format("{} bytes for {} x {} floats", expected, rows, columns),
+         fmt::format("{}", bytes.size()));
+  std::memcpy(heights.data(), bytes.data() + sizeof counts, heights.size() * sizeof(float));
+  if (!std::ranges::all_of(heights, [](float h) { return std::isfinite(h); }))
+    fail("heights", "finite numbers", "one that is not");
+  return heights;
 }
-
-MaybeHeights joined(const MaybeHeights& a, const MaybeHeights& b) {
-  if (!a || !b) return a ? a : b;
-  return HeightRange{std::min(a->bottom, b->bottom), std::max(a->top, b->top)};
-}
-
-/// Where a s^2 + 2 b s + c <= 0.
-MaybeHeights below_zero(double a, double b, double c) {
-  if (std::abs(a) < kOnBorder) return c <= kOnBorder ? MaybeHeights(HeightRange()) : std::nullopt;
-  const double root = b * b - a * c;
-  if (root < 0) return std::nullopt;
-  return HeightRange{(-b - std::sqrt(root)) / a, (-b + std::sqrt(root)) / a};
-}
-
-/// Where |p + s d| <= h.
-MaybeHeights within(double p, double d, double h) {
-  if (std::abs(d) < kOnBorder)
-    return std::abs(p) <= h + kOnBorder ? MaybeHeights(HeightRange()) : std::nullopt;
-  const double s = (-h - p) / d, t = (h - p) / d;
-  return HeightRange{std::min(s, t), std::max(s, t)};
-}
-
-/// The vertical line over a point, in the frame of a shape: p + s d is at the world's z = s.
-struct Line {
-  Vector3 p, d;
-  Line(const Pose& X_WG, double x, double y)
-      : p(X_WG.linear().transpose() * (Vector3(x, y, 0) - X_WG.translation())),
-        d(X_WG.linear().transpose() * Vector3::UnitZ()) {}
-};
-
-MaybeHeights through_sphere(const Line& line, double radius, double z) {
-  const Vector3 p = line.p - Vector3(0, 0, z);
-  return below_zero(1, p.dot(line.d), p.squaredNorm() - radius * radius);
-}
-
-MaybeHeights through_cylinder(const Line& line, double radius, double half_length) {
-  const double a = line.d.head<2>().squaredNorm(), b = line.p.head<2>().dot(line.d.head<2>());
-  return common_part(below_zero(a, b, line.p.head<2>().squaredNorm() - radius * radius),
-                     within(line.p.z(), line.d.z(), half_length));
-}
-
-MaybeHeights through_box(const Line& line, const Vector3& half) {
-  MaybeHeights inside = HeightRange();
-  for (int i = 0; i < 3; ++i) inside = common_part(inside, within(line.p[i], line.d[i], half[i]));
-  return inside;
-}
-
-/// A face of a hull: what is inside has n . p <= d.
-struct HalfSpace {
-  Vector3 n;
-  double d;
-};
-
-/// Every plane through three corners that has all others on one side: for as few corners as kMeshCorners.
-std::vector<HalfSpace> faces_of(const std::vector<Vector3>& corners) {
-  std::vector<HalfSpace> faces;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    for (std::size_t j = i + 1; j < corners.size(); ++j) {
-      for (std::size_t k = j + 1; k < corners.size(); ++k) {
-        const Vector3 n = (corners[j] - corners[i]).cross(corners[k] - corners[i]);
-        if (n.norm() < kOnBorder * kOnBorder) continue;
-        for (const double sign : {1.0, -1.0}) {
-          const HalfSpace face{sign * n.normalized(), sign * n.normalized().dot(corners[i])};
-          if (std::ranges::all_of(corners,
-                                  [&](const Vector3& p) { return face.n.dot(p) <= face.d + kOnBorder; }))
-            faces.push_back(face);
-        }
-      }
-    }
-  }
-  return faces;
-}
-
-/// In the world's frame.
-MaybeHeights through_hull(const std::vector<HalfSpace>& faces, double x, double y) {
-  HeightRange inside;
-  for (const HalfSpace& face : faces) {
-    const double rest = face.d - face.n.x() * x - face.n.y() * y;
-    if (std::abs(face.n.z()) < kOnBorder) {
-      if (rest < -kOnBorder) return std::nullopt;
-    } else if (face.n.z() > 0) {
-      inside.top = std::min(inside.top, rest / face.n.z());
-    } else {
-      inside.bottom = std::max(inside.bottom, rest / face.n.z());
-    }
-  }
-  return inside.bottom <= inside.top + kOnBorder ? MaybeHeights(inside) : std::nullopt;
-}
-
-/// A height field of the file's assets, around its own origin; `base` is how thick it is below its lowest.
-struct FileField {
-  HeightField field;
-  double base;
-};
 
 class Scene {
  public:
-  explicit Scene(const std::string& path) : document_(path), defaults_(document_.root()), path_(path) {
+  explicit Scene(const std::string& path)
+      : document_(path), defaults_(document_.root()), path_(path), shapes_(path) {
     prepare();
     ReaderWarnings of_robot;  // what is said of robots' files
     MjcfParts parts = take_parts(document_, of_robot);
@@ -149,25 +66,7 @@ class Scene {
     add_shapes(model, parts);
   }
 
-  SceneTerrain sample(double cell) {
-    double x = 0, y = 0;
-    for (const Solid& solid : solids_) {
-      x = std::max({x, std::abs(solid.x_min), std::abs(solid.x_max)});
-      y = std::max({y, std::abs(solid.y_min), std::abs(solid.y_max)});
-    }
-    if (solids_.empty())
-      throw ConfigError(path_, "worldbody", "shapes that are fixed to the world, beside a plane", "none");
-    const double half_columns = std::max(1.0, std::ceil(x / cell - kOnBorder)),
-                 half_rows = std::max(1.0, std::ceil(y / cell - kOnBorder));
-    if ((2 * half_columns + 1) * (2 * half_rows + 1) > static_cast<double>(kMaxHeightSamples))
-      throw ConfigError(path_, "cell", fmt::format("at most {} samples, so larger cells", kMaxHeightSamples),
-                        fmt::format("cells of {:g} m over {:g} x {:g} m", cell, 2 * x, 2 * y));
-    const int columns = 2 * static_cast<int>(half_columns) + 1, rows = 2 * static_cast<int>(half_rows) + 1;
-    std::vector<float> heights;
-    heights.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-    for (int r = 0; r < rows; ++r) sample_row((r - half_rows) * cell, cell, columns, heights);
-    return finish(columns, rows, cell, std::move(heights));
-  }
+  SceneTerrain sample(double cell) { return shapes_.sample(cell, warnings_.sentences()); }
 
  private:
   /// Leaves in the document what a ground is made of. Geoms of the world go to a body of their own, planes
@@ -251,47 +150,26 @@ class Scene {
   }
 
   void add_plane(const MjcfElement& element, const Pose& X_WG) {
-    const Vector3 n = X_WG.linear().col(2);
-    if (n.z() < kOnBorder) fail_at(element, "a plane that faces upwards", "another one");
-    const double d = n.dot(X_WG.translation());
-    planes_.push_back({n, d});
+    if (!shapes_.add_plane(X_WG)) fail_at(element, "a plane that faces upwards", "another one");
   }
 
   void add_solid(const MjcfElement& element, const MjcfGeom& geom, const Pose& X_WG) {
     const Vector3 size = geom.size;
-    Vector3 half = size;  // of a box around it, in its frame
-    std::function<MaybeHeights(double, double)> over;
     switch (geom.type) {
       case MjcfGeomType::kSphere:
-        half = Vector3::Constant(size[0]);
-        over = [=](double x, double y) { return through_sphere(Line(X_WG, x, y), size[0], 0); };
-        break;
+        return shapes_.add_sphere(X_WG, size[0]);
       case MjcfGeomType::kCylinder:
-        half = {size[0], size[0], size[1]};
-        over = [=](double x, double y) { return through_cylinder(Line(X_WG, x, y), size[0], size[1]); };
-        break;
+        return shapes_.add_cylinder(X_WG, size[0], size[1]);
       case MjcfGeomType::kCapsule:
-        half = {size[0], size[0], size[0] + size[1]};
-        over = [=](double x, double y) {
-          const Line line(X_WG, x, y);
-          return joined(
-              through_cylinder(line, size[0], size[1]),
-              joined(through_sphere(line, size[0], size[1]), through_sphere(line, size[0], -size[1])));
-        };
-        break;
+        return shapes_.add_capsule(X_WG, size[0], size[1]);
       case MjcfGeomType::kBox:
-        over = [=](double x, double y) { return through_box(Line(X_WG, x, y), size); };
-        break;
+        return shapes_.add_box(X_WG, size);
       case MjcfGeomType::kMesh:
       case MjcfGeomType::kOther:
         warnings_.count("left out ",
                         " geom(s) that are no plane, box, sphere, capsule, cylinder, mesh or height field",
                         mjcf_place(element, path_));
-        return;
     }
-    const Vector3 reach = X_WG.linear().cwiseAbs() * half, centre = X_WG.translation();
-    solids_.push_back({centre.x() - reach.x(), centre.x() + reach.x(), centre.y() - reach.y(),
-                       centre.y() + reach.y(), std::move(over)});
   }
 
   void add_mesh(const MjcfElement& element, const MjcfGeom& geom, const MjcfMesh& mesh, const Pose& X_WG) {
@@ -306,38 +184,21 @@ class Scene {
       for (Vector3& v : vertices) v = mesh.scale.cwiseProduct(mesh.R_ref.transpose() * (v - mesh.p_ref));
     }
     for (Vector3& v : vertices) v = X_WG * v;
-    const ConvexHull hull = convex_hull(vertices, kMeshCorners);
-    if (hull.error > kSmallestGap)
+    if (!shapes_.add_hull(vertices))
       warnings_.count("took for their convex hull of few corners, off by more than a millimetre, ",
                       " mesh(es)", mjcf_place(element, path_));
-    Vector3 low = hull.vertices.front(), high = low;
-    for (const Vector3& v : hull.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
-    solids_.push_back(
-        {low.x(), high.x(), low.y(), high.y(),
-         [faces = faces_of(hull.vertices)](double x, double y) { return through_hull(faces, x, y); }});
   }
 
   void add_field(const MjcfElement& element, const std::string& name, const Pose& X_WG) {
     const auto asset = fields_.find(name);
     if (asset == fields_.end())
       fail_at(element, "a height field of <asset>", fmt::format("'{}'", printable_text(name, 200)));
-    if (X_WG.linear()(2, 2) < 1 - kOnBorder)
+    if (!shapes_.add_field(read_field(asset->second), X_WG))
       fail_at(element, "a height field that lies level", "a tilted one");
-    auto field = std::make_shared<const FileField>(read_field(asset->second));
-    const double x = field->field.size_x() / 2, y = field->field.size_y() / 2;
-    const Vector3 reach = X_WG.linear().cwiseAbs() * Vector3(x, y, 0), centre = X_WG.translation();
-    solids_.push_back(
-        {centre.x() - reach.x(), centre.x() + reach.x(), centre.y() - reach.y(), centre.y() + reach.y(),
-         [=](double px, double py) -> MaybeHeights {
-           // On the border is on it, whatever turning it there rounded to.
-           Vector3 p = X_WG.linear().transpose() * (Vector3(px, py, 0) - centre);
-           if (std::abs(p.x()) > x + kOnBorder || std::abs(p.y()) > y + kOnBorder) return std::nullopt;
-           return HeightRange{centre.z() - field->base, centre.z() + field->field.height(p.x(), p.y())};
-         }});
   }
 
   /// Elevations, from 0 to 1 of the asset's size, at most.
-  FileField read_field(const MjcfElement& asset) const {
+  GroundField read_field(const MjcfElement& asset) const {
     const std::vector<double> size = mjcf_numbers(asset, "size", 4, 4);
     if (*std::ranges::min_element(size) <= 0) fail_at(asset, "four sizes above 0", "another one");
     int columns = 0, rows = 0;
@@ -345,11 +206,14 @@ class Scene {
     if (asset.has("file")) {
       const std::string file =
           (std::filesystem::path(path_).parent_path() / folder_ / asset.attribute("file")).lexically_normal();
-      if (!file.ends_with(".png"))
-        fail_at(asset, "a height field as PNG or elevations", fmt::format("'{}'", file));
-      const Terrain picture = make_terrain(fmt::format("{}:size_x=1,size_y=1,z_min=0,z_max=1", file));
-      columns = picture.field()->columns(), rows = picture.field()->rows();
-      heights.assign(picture.field()->heights().begin(), picture.field()->heights().end());
+      const std::string_view type = asset.attribute("content_type");
+      if (type == "image/png" || (type.empty() && file.ends_with(".png"))) {
+        const Terrain picture = make_terrain(fmt::format("{}:size_x=1,size_y=1,z_min=0,z_max=1", file));
+        columns = picture.field()->columns(), rows = picture.field()->rows();
+        heights.assign(picture.field()->heights().begin(), picture.field()->heights().end());
+      } else {
+        heights = read_binary_field(file, columns, rows);
+      }
     } else {
       columns = whole(asset, "ncol"), rows = whole(asset, "nrow");
       const std::size_t count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
@@ -371,74 +235,10 @@ class Scene {
 
   static int whole(const MjcfElement& asset, const char* name) {
     const double number = mjcf_numbers(asset, name, 1, 1)[0];
-    if (number != std::floor(number) || number < 2 || number > 4096)
-      fail_at(asset, fmt::format("a whole number from 2 to 4096 for {}", name), fmt::format("{:g}", number));
+    if (number != std::floor(number) || number < kLeastSamples || number > kMostSamples)
+      fail_at(asset, fmt::format("a whole number from {} to {} for {}", kLeastSamples, kMostSamples, name),
+              fmt::format("{:g}", number));
     return static_cast<int>(number);
-  }
-
-  void sample_row(double y, double cell, int columns, std::vector<float>& heights) {
-    std::vector<std::vector<HeightRange>> over(static_cast<std::size_t>(columns));
-    const double first = -0.5 * (columns - 1) * cell;
-    for (const Solid& solid : solids_) {
-      if (y < solid.y_min - kOnBorder || y > solid.y_max + kOnBorder) continue;
-      const int from = std::max(0, static_cast<int>(std::floor((solid.x_min - first) / cell)));
-      const int to = std::min(columns - 1, static_cast<int>(std::ceil((solid.x_max - first) / cell)));
-      for (int c = from; c <= to; ++c)
-        if (const auto heights_here = solid.over(first + c * cell, y))
-          over[static_cast<std::size_t>(c)].push_back(*heights_here);
-    }
-    for (int c = 0; c < columns; ++c) {
-      std::vector<HeightRange>& here = over[static_cast<std::size_t>(c)];
-      for (const HalfSpace& plane : planes_)
-        here.push_back(
-            {-kUnbounded, (plane.d - plane.n.x() * (first + c * cell) - plane.n.y() * y) / plane.n.z()});
-      heights.push_back(height_of(here));
-    }
-  }
-
-  /// The top of what is there, NaN where there is nothing; counts a gap below it.
-  float height_of(std::vector<HeightRange>& here) {
-    if (here.empty()) return std::numeric_limits<float>::quiet_NaN();
-    std::ranges::sort(here, std::ranges::greater{}, &HeightRange::top);
-    double bottom = here.front().bottom;
-    for (const HeightRange& next : here) {
-      if (next.top < bottom - kSmallestGap) {
-        ++overhangs_;
-        break;
-      }
-      bottom = std::min(bottom, next.bottom);
-    }
-    return static_cast<float>(here.front().top);
-  }
-
-  SceneTerrain finish(int columns, int rows, double cell, std::vector<float> heights) {
-    float lowest = std::numeric_limits<float>::infinity();
-    std::size_t empty = 0;
-    for (const float h : heights) {
-      if (std::isnan(h)) {
-        ++empty;
-      } else {
-        lowest = std::min(lowest, h);
-      }
-    }
-    for (float& h : heights) h = std::isnan(h) ? lowest : h;
-    const auto count = static_cast<double>(heights.size());
-    SceneTerrain scene;
-    scene.overhang_ratio = static_cast<double>(overhangs_) / count;
-    scene.warnings = warnings_.sentences();
-    if (empty > 0)
-      scene.warnings.push_back(
-          fmt::format("{:.3g} % of the samples have nothing below them: they are as high as the lowest of "
-                      "the others, {:g} m",
-                      100 * static_cast<double>(empty) / count, lowest));
-    if (overhangs_ > 0)
-      scene.warnings.push_back(
-          fmt::format("{:.3g} % of the samples overhang: there is air below the surface, and ground again "
-                      "further down; a height field is filled there",
-                      100 * scene.overhang_ratio));
-    scene.field = std::make_shared<const HeightField>(columns, rows, (columns - 1) * cell, (rows - 1) * cell,
-                                                      std::move(heights), path_);
-    return scene;
   }
 
   MjcfDocument document_;
@@ -447,14 +247,15 @@ class Scene {
   std::string folder_;                          ///< of meshes and height fields
   std::map<std::string, MjcfElement> fields_;   ///< assets, by name
   std::map<std::string, std::string> grounds_;  ///< planes, and geoms that are height fields: which, by geom
-  std::vector<HalfSpace> planes_;
-  std::vector<Solid> solids_;
-  std::size_t overhangs_ = 0;
+  GroundShapes shapes_;
   ReaderWarnings warnings_;
 };
 
 }  // namespace
 
-SceneTerrain read_scene_terrain(const std::string& path, double cell) { return Scene(path).sample(cell); }
+SceneTerrain read_scene_terrain(const std::string& path, double cell) {
+  const RobotFormat* const format = robot_format_of(path);
+  return format != nullptr && format->key == "sdf" ? read_sdf_ground(path, cell) : Scene(path).sample(cell);
+}
 
 }  // namespace crossgait

@@ -1,4 +1,4 @@
-// The ground of an MJCF's scene as a height field.
+// The ground of a scene, an MJCF or an SDF, as a height field.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@ struct SceneTerrain {
 /// fields that collide, and of meshes their convex hulls, as MuJoCo collides them (of at most kMeshCorners
 /// corners). Bodies on which joints hang, the robot, are left out. Samples stand `cell` apart around the
 /// world's origin; a height is the world's z of the highest point over (x, y). The field reaches as far as
-/// shapes do; planes are under it all.
+/// shapes do; planes are under it all. Files of SDF are read by sdf_ground.h.
 /// Source of what elements mean: MuJoCo, XML reference, "geom" and "asset/hfield".
 /// @param cell  m  @throws ConfigError naming file and element: no shape beside a plane, a plane or height
 /// field that lies on its side, too many samples

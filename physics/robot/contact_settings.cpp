@@ -10,6 +10,8 @@
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
 #include "physics/core/text.h"
+#include "physics/robot/contact_limits.h"
+#include "physics/robot/simulated_contact.h"
 
 namespace crossgait {
 namespace {
@@ -236,6 +238,14 @@ ContactSpec resolve_contact(const ContactSettings& of_robot, const ContactSettin
   return contact;
 }
 
+ContactSpec simulated_contact(const ContactSettings& of_robot, const ContactSettings& asked,
+                              double physics_dt, std::string_view source) {
+  ContactSpec contact = resolve_contact(of_robot, asked, source);
+  double& time_constant = contact.softness.time_constant;
+  time_constant = time_constant_in_steps(time_constant, physics_dt);
+  return contact;
+}
+
 double time_constant_in_steps(double time_constant, double physics_dt) noexcept {
   return std::max(time_constant, 2 * physics_dt);
 }
@@ -272,8 +282,8 @@ void validate_contact(const ContactSpec& contact, std::string_view source) {
   const auto check = [source](bool ok, std::string_view setting, std::string_view expected, double found) {
     require(ok, source, setting, expected, found);
   };
-  check(contact.friction >= 0 && contact.friction <= 10, "contact.friction", "a coefficient in [0, 10]",
-        contact.friction);
+  check(contact.friction >= 0 && contact.friction <= kMostFriction, "contact.friction",
+        fmt::format("a coefficient in [0, {:g}]", kMostFriction), contact.friction);
   check(contact.torsional_friction >= 0 && contact.torsional_friction <= 10, "contact.torsional_friction",
         "a length in [0, 10] m", contact.torsional_friction);
   check(contact.rolling_friction >= 0 && contact.rolling_friction <= 10, "contact.rolling_friction",
@@ -285,8 +295,11 @@ void validate_contact(const ContactSpec& contact, std::string_view source) {
         "a ratio in (0, 10000]", contact.impratio);
   validate_softness(contact.softness, source, "contact.softness");
   check(contact.erp >= 0 && contact.erp <= 1, "contact.erp", "a share in [0, 1]", contact.erp);
-  check(contact.max_depenetration_velocity >= 0 && contact.max_depenetration_velocity <= 100,
-        "contact.max_depenetration_velocity", "a speed in [0, 100] m/s", contact.max_depenetration_velocity);
+  check(contact.max_depenetration_velocity >= 0 &&
+            contact.max_depenetration_velocity <= kMostDepenetrationVelocity,
+        "contact.max_depenetration_velocity",
+        fmt::format("a speed in [0, {:g}] m/s", kMostDepenetrationVelocity),
+        contact.max_depenetration_velocity);
   check(contact.cfm >= 0 && contact.cfm <= 1, "contact.cfm", "a share in [0, 1]", contact.cfm);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "physics/robot/followed_joint.h"
 #include "physics/robot/robot_check.h"
 
 namespace crossgait {
@@ -93,6 +94,22 @@ const JointCoupling* RobotDescription::coupling_of(int follower) const noexcept 
   const auto found = std::find_if(couplings.begin(), couplings.end(),
                                   [follower](const JointCoupling& c) { return c.follower == follower; });
   return found == couplings.end() ? nullptr : &*found;
+}
+
+FollowedJoint follow_couplings(const RobotDescription& robot, int joint, std::span<const int> ends) {
+  FollowedJoint followed{.joint = joint};
+  for (std::size_t step = 0; step <= robot.couplings.size(); ++step) {
+    followed.is_one_of_them = std::find(ends.begin(), ends.end(), followed.joint) != ends.end();
+    const JointCoupling* coupling = robot.coupling_of(followed.joint);
+    if (followed.is_one_of_them || coupling == nullptr) return followed;
+    if (followed.not_linear == nullptr && !coupling->is_linear()) followed.not_linear = coupling;
+    // multiplier (c1 leader + c0) + offset
+    followed.offset += followed.multiplier * coupling->coefficients[0];
+    followed.multiplier *= coupling->coefficients[1];
+    followed.joint = coupling->leader;
+  }
+  followed.in_a_circle = true;
+  return followed;
 }
 
 void RobotDescription::place_followers(JointVector& q) const noexcept {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/robot/followed_joint.h"
 #include "physics/robot/joint_numbers.h"
 #include "physics/robot/multibody.h"
 #include "physics/robot/robot_members.h"
@@ -118,11 +119,9 @@ void check_couplings(const RobotDescription& robot) {
     validate_softness(coupling.softness, source_of(robot), element + ": softness");
   }
   for (const JointCoupling& coupling : robot.couplings) {
-    const JointCoupling* at = &coupling;
-    for (std::size_t i = 0; at != nullptr && i < robot.couplings.size(); ++i)
-      at = robot.coupling_of(at->leader);
     Reporter(source_of(robot), fmt::format("coupling of joint '{}'", robot.joint(coupling.follower).name))
-        .require(at == nullptr, "a joint that leads and follows none in the end",
+        .require(!follow_couplings(robot, coupling.follower, {}).in_a_circle,
+                 "a joint that leads and follows none in the end",
                  fmt::format("'{}', which follows it in a circle", robot.joint(coupling.leader).name));
   }
 }
@@ -164,16 +163,13 @@ void check_followers(const RobotDescription& robot, Leg leg) {
   for (std::size_t i = 0; i < model.passive.size(); ++i) {
     const Reporter report(source_of(robot),
                           fmt::format("legs.{}.{}", name(leg), model.roles()[model.servos.size() + i].name));
-    int at = model.passive[i];
-    for (std::size_t link = 0; link <= robot.couplings.size(); ++link) {
-      if (std::find(model.servos.begin(), model.servos.end(), at) != model.servos.end()) break;
-      const JointCoupling* coupling = robot.coupling_of(at);
-      report.require(coupling != nullptr, "a servo, or a joint that follows one of this leg",
-                     fmt::format("joint '{}'", robot.joint(at).name));
-      report.require(coupling->is_linear(), "a coupling of at most two coefficients in a leg",
-                     fmt::format("one of higher powers of '{}'", robot.joint(coupling->leader).name));
-      at = coupling->leader;
-    }
+    const FollowedJoint followed = follow_couplings(robot, model.passive[i], model.servos);
+    report.require(followed.is_one_of_them, "a servo, or a joint that follows one of this leg",
+                   fmt::format("joint '{}'", robot.joint(followed.joint).name));
+    const JointCoupling* bent = followed.not_linear;
+    report.require(
+        bent == nullptr, "a coupling of at most two coefficients in a leg",
+        bent == nullptr ? "" : fmt::format("one of higher powers of '{}'", robot.joint(bent->leader).name));
   }
 }
 

@@ -1,5 +1,5 @@
-// How a robot's file wants it to touch the ground. Nothing is simulated by it yet: a world's contact is its
-// own (WorldSpec), and whoever shows a robot holds the two against each other.
+// How a robot's file wants it to touch the ground: what feet say of it becomes a setting of contact
+// (robot_contact.h), and whoever shows a robot holds the file against the world (WorldSpec).
 #pragma once
 
 #include <array>
@@ -18,6 +18,17 @@ struct ContactNumbers {
   double condim = 3, margin = 0, gap = 0;                  ///< -, m, m
   std::optional<double> max_depenetration_velocity;        ///< of hard contact, m/s: MJCF has none
   std::set<std::string> stated;  ///< names of those that the file says; the others are MuJoCo's defaults
+  /// What the file says beside them, which no contact here has, by its name there.
+  struct Unused {
+    double number;
+    std::string why;  ///< it is not simulated
+
+    bool operator==(const Unused&) const = default;
+  };
+  std::map<std::string, Unused> not_simulated;
+
+  /// Tells whether the file says nothing.
+  bool is_empty() const { return stated.empty() && not_simulated.empty(); }
 };
 
 /// Holds what a file says of contact and of the steps of time, where it says it.
@@ -30,6 +41,8 @@ struct ContactOfFile {
   /// meet are combined as MuJoCo does.
   std::map<std::string, ContactNumbers> shapes;
   std::string ground;  ///< what stood for the ground, for people
+  /// What a shape's numbers do not state is MuJoCo's default, as in an MJCF; of other files it is nothing.
+  bool has_mujoco_defaults = false;
 };
 
 }  // namespace crossgait

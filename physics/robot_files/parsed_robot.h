@@ -24,13 +24,22 @@ struct LinkLoop {
   Vector3 p_a = Vector3::Zero(), p_b = Vector3::Zero();  ///< each in its link's frame, m
 };
 
+/// Holds what a file says of a joint or a link that is not simulated.
+struct UnusedQuantity {
+  std::string of;           ///< the joint, or "link 'shin'"
+  std::string name;         ///< as the file has it
+  std::string value, unit;  ///< as the file has it; of no unit ""
+  std::string why;          ///< it is not
+};
+
 /// Describes a joint that follows another one (JointCoupling), by their names.
 struct NamedCoupling {
   std::string follower, leader;
   std::array<double, 5> coefficients{0, 1, 0, 0, 0};
   Softness softness = JointCoupling().softness;
-  bool is_driven = false;  ///< the follower has a servo of its own as well
-  std::string place;       ///< where the file says it, for messages: "mimic (line 7)"
+  bool says_softness = false;  ///< the file says solref or solimp; else they are what its format has for them
+  bool is_driven = false;      ///< the follower has a servo of its own as well
+  std::string place;           ///< where the file says it, for messages: "mimic (line 7)"
 };
 
 /// Holds what a file says, of whichever format (robot_formats.h); bodies of an MJCF are links here.
@@ -53,7 +62,9 @@ struct ParsedRobot {
   std::map<std::string, std::map<std::string, std::string>> reasons;
   /// Speeds that the file lets joints have, rad/s, by joint; nothing is simulated by them.
   std::map<std::string, double> velocity_limits;
+  std::vector<UnusedQuantity> unused;
   std::vector<NamedCoupling> couplings;
+  std::map<std::string, double> held;  ///< joints that the file itself holds, and at which angle, rad
   /// Joints that something else moves in ways that are not simulated, by joint: "is driven by ...".
   std::map<std::string, std::string> coupled;
   ContactOfFile contact;

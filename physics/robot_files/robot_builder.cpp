@@ -42,6 +42,9 @@ RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, s
   for (const Body& body : parsed_.bodies) report_.joints_of_file[body.joint.name] = body.joint;
   report_.reasons = parsed_.reasons;
   report_.velocity_limits = parsed_.velocity_limits;
+  report_.unused = parsed_.unused;
+  for (const NamedCoupling& coupling : parsed_.couplings)
+    report_.couplings_of_file.emplace(coupling.follower, coupling);
   report_.contact = parsed_.contact;
 }
 

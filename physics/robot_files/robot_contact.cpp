@@ -16,21 +16,23 @@ std::vector<double> bounded_solimp(const std::array<double, 5>& solimp) {
 }
 
 // @param source,leg  for messages
-ContactSettings settings_of(const ContactNumbers& numbers, const std::string& source, Leg leg) {
+ContactSettings settings_of(const ContactNumbers& numbers, bool has_defaults, const std::string& source,
+                            Leg leg) {
   ContactSettings settings;
-  const auto set = [&](std::string_view name, std::vector<double> values) {
+  const auto set = [&](std::string_view name, std::string_view stated, std::vector<double> values) {
+    if (!has_defaults && !numbers.stated.contains(std::string(stated))) return;
     settings.set(name, std::move(values), source, fmt::format("foot {}, {}", crossgait::name(leg), name));
   };
   // One dimension is a contact without friction.
   const bool slides = numbers.condim < 3;
-  set("friction", {slides ? 0 : numbers.friction[0]});
-  set("torsional_friction", {numbers.friction[1]});
-  set("rolling_friction", {numbers.friction[2]});
-  set("condim", {slides ? 3 : numbers.condim});
-  set("solref", {numbers.solref[0], numbers.solref[1]});
-  set("solimp", bounded_solimp(numbers.solimp));
+  set("friction", "friction", {slides ? 0 : numbers.friction[0]});
+  if (has_defaults || numbers.condim > 3) set("torsional_friction", "friction", {numbers.friction[1]});
+  if (has_defaults || numbers.condim > 4) set("rolling_friction", "friction", {numbers.friction[2]});
+  set("condim", "condim", {slides ? 3 : numbers.condim});
+  set("solref", "solref", {numbers.solref[0], numbers.solref[1]});
+  set("solimp", "solimp", bounded_solimp(numbers.solimp));
   if (numbers.max_depenetration_velocity)
-    set("max_depenetration_velocity", {*numbers.max_depenetration_velocity});
+    set("max_depenetration_velocity", "max_depenetration_velocity", {*numbers.max_depenetration_velocity});
   return settings;
 }
 
@@ -68,7 +70,7 @@ ContactSettings contact_of_feet(const RobotDescription& robot, RobotReport& repo
     if (numbers == nullptr) continue;
     if (first == nullptr) {
       first = numbers;
-      settings.add(settings_of(*numbers, report.file, leg));
+      settings.add(settings_of(*numbers, file.has_mujoco_defaults, report.file, leg));
     } else if (!is_alike(*first, *numbers)) {
       report.warnings.push_back(fmt::format(
           "feet are not alike in contact: foot {} has friction {:g}, condim {:g}; a world has one contact, "

@@ -48,6 +48,7 @@ void RobotBuilder::read_couplings() {
     for (std::size_t i = 0; i < numbers.size(); ++i) coupling.coefficients[i] = numbers[i].number();
     if (const auto servo = value.find("servo")) coupling.is_driven = servo->boolean();
     if (const auto softness = value.find("softness")) read_softness(*softness, coupling.softness);
+    coupling.says_softness = value.find("softness").has_value();
     coupling.place = value.element();
     parsed_.couplings.push_back(std::move(coupling));
   }

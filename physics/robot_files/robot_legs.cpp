@@ -15,8 +15,11 @@ namespace crossgait {
 void RobotBuilder::read_frame_and_legs() {
   const auto legs = find("legs"), frame = find("frame"), locked = find("locked");
   if (frame) report_.R_BA = read_frame(*frame);
+  std::map<std::string, double> held = parsed_.held;
   if (locked) {
-    const auto held = read_locked(*locked);
+    for (const auto& [joint, angle] : read_locked(*locked)) held[joint] = angle;
+  }
+  if (!held.empty()) {
     settle_held(held);
     lock(held);
   }

@@ -27,7 +27,10 @@ struct RobotReport {
   /// the file says it.
   std::map<std::string, std::map<std::string, std::string>> reasons;
   std::map<std::string, double> velocity_limits;   ///< of the file, by joint, rad/s; not simulated
+  std::vector<UnusedQuantity> unused;              ///< of the file
   std::map<std::string, NamedCoupling> couplings;  ///< those that are simulated, by their follower
+  /// Those that the robot's file says, simulated or not, by their follower.
+  std::map<std::string, NamedCoupling> couplings_of_file;
   ContactOfFile contact;
   std::map<Leg, std::string> feet_of_file;  ///< the shape of the file nearest to a foot, where there is one
 };

@@ -22,6 +22,8 @@ COMMANDS = {
     "verdict.json": ["report", "{}", "--out", "page.html"],
     "map.csv": ["terrain", "{}"],
     "map.png": ["terrain", "{}"],
+    "scene.sdf": ["terrain", "{}", "--cell", ".1"],
+    "ground.bin": ["terrain", "{folder}/ground.xml", "--cell", ".1"],
     "bench.json": ["bench", "--from", "{}"],
     "runs.jsonl": ["verdict", "--runs", "{}", "--seconds", ".1", "--settle", ".1", "--starts", "4"],
 }
@@ -29,7 +31,8 @@ COMMANDS = {
 
 def command_of(program, kind, file):
     """The command line that reads `file` as a file of `kind`."""
-    return [program] + [file if word == "{}" else word for word in COMMANDS[kind]]
+    return [program] + [file if word == "{}" else word.replace("{folder}", os.path.dirname(file))
+                        for word in COMMANDS[kind]]
 
 
 def run(program, arguments):
@@ -84,7 +87,14 @@ def make_valid(program, folder):
     shutil.copy(models("terrains", "bumps.png"), os.path.join(folder, "map.png"))
     shutil.copy(os.path.join(ROOT, "benchmarks", "results", "amd-epyc-2-cores.json"),
                 os.path.join(folder, "bench.json"))
+    with open(os.path.join(folder, "ground.bin"), "wb") as file:  # a height field of MuJoCo's
+        file.write(struct.pack("=2i4f", 2, 2, 0, 1, 2, 3))
     texts = {
+        "ground.xml": "<mujoco><asset><hfield name='h' file='ground.bin' size='1 1 .1 .1'/></asset>"
+        "<worldbody><geom type='hfield' hfield='h'/></worldbody></mujoco>",
+        "scene.sdf": "<sdf version='1.9'><world name='w'><model name='m'><static>1</static><link name='l'>"
+        "<collision name='c'><geometry><heightmap><uri>map.png</uri><size>2 2 .1</size></heightmap></geometry>"
+        "</collision></link></model></world></sdf>",
         "env.yaml": run(program, ["env", "--yaml", "--terrain", "rough"])
         + "randomisation: {friction: [.5, 1], mass: [.9, 1.1], terrain_seed: [0, 9]}\n",
         "scripted.yaml": "kind: scripted\nlayout_version: 2\nsteps:\n"

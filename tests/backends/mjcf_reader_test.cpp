@@ -396,10 +396,67 @@ TEST_F(MjcfReader, JointsThatFollowAreCouplingsWithTheirSoftness) {
   EXPECT_EQ(knee.softness.impedance_min, 0.8);
   EXPECT_EQ(knee.softness.impedance_width, 0.002);
   EXPECT_EQ(knee.softness.impedance_power, 2);  // MuJoCo's
+  EXPECT_TRUE(knee.says_softness);
   EXPECT_TRUE(robot.couplings[1].is_driven);
   EXPECT_NEAR(robot.couplings[1].coefficients[0], 0.1, 1e-15);  // hip - 0.1 = knee
   EXPECT_EQ(robot.couplings[1].softness.time_constant, 0.02);
   EXPECT_FALSE(warns(robot.warnings, "equality"));
+}
+
+// MuJoCo, "tendon" in <equality>: lengths count from those at the references.
+TEST_F(MjcfReader, TendonsThatTieTwoJointsAreCouplings) {
+  MadeMjcf mjcf;
+  mjcf.compiler = R"(<compiler angle="radian"/>)";
+  mjcf.hip_joint = R"(ref="0.1")";
+  mjcf.sections = R"(<tendon>
+      <fixed name="belt"><joint joint="FL_hip" coef="2"/><joint joint="FL_knee" coef="-0.5"/></fixed>
+      <fixed name="one"><joint joint="FR_knee" coef="4"/></fixed><fixed name="other"><joint joint="FR_hip" coef="-3"/></fixed>
+      <fixed name="three"><joint joint="RL_hip" coef="1"/><joint joint="RL_knee" coef="1"/><joint joint="RR_hip" coef="1"/></fixed>
+      </tendon><equality><tendon tendon1="belt" polycoef="0.3"/><tendon tendon1="one" tendon2="other" polycoef="0 2 1"/>
+      <tendon tendon1="three"/></equality><actuator><motor joint="FL_hip"/></actuator>)";
+  const ParsedRobot robot = tree(mjcf);
+  ASSERT_EQ(robot.couplings.size(), 2U);
+  const auto at = [](const NamedCoupling& c, double leader) {
+    return JointCoupling{.coefficients = c.coefficients}.follower_at(leader);
+  };
+  // 2 (hip - 0.1) - 0.5 knee = 0.3, and the hip has the motor.
+  EXPECT_EQ(robot.couplings[0].follower, "FL_knee");
+  EXPECT_NEAR(at(robot.couplings[0], 0.7), (2 * 0.6 - 0.3) / 0.5, 1e-14);
+  EXPECT_FALSE(robot.couplings[0].is_driven);
+  // 4 knee = 2 t + t^2, t = -3 (hip - 0.1)
+  EXPECT_EQ(robot.couplings[1].follower, "FR_knee");
+  const double t = -3 * (0.7 - 0.1);
+  EXPECT_NEAR(at(robot.couplings[1], 0.7), (2 * t + t * t) / 4, 1e-14);
+  EXPECT_TRUE(robot.coupled.at("RL_hip").starts_with("hangs on tendon 'three' of 3 joint(s)"));
+  EXPECT_TRUE(warns(robot.warnings, "ignored 1 element(s) of <tendon>")) << "the one that is not simulated";
+  EXPECT_TRUE(warns(robot.warnings, "ignored 1 <tendon> in <equality>"));
+}
+
+TEST_F(MjcfReader, AJointHeldByAnEqualityIsPartOfWhatItHangsOn) {
+  MadeMjcf mjcf;
+  mjcf.compiler = R"(<compiler angle="radian"/>)";
+  for (const Leg leg : kLegs) {
+    const std::string p(name(leg));
+    mjcf.sections += fmt::format(R"(<joint joint1="{}_toe" polycoef="0.25"/>)", p);
+  }
+  mjcf.sections = "<equality>" + mjcf.sections + "</equality>";
+  std::string text = mjcf.text();
+  for (const Leg leg : kLegs) {
+    const std::string foot = fmt::format("<geom name=\"{}_foot\"", name(leg));
+    text.insert(
+        text.find(foot),
+        fmt::format(
+            R"(<body name="{0}_end" pos="0 0 -.2"><inertial pos="0 0 0" mass=".1" diaginertia="1e-4 1e-4
+                             1e-4"/><joint name="{0}_toe" axis="0 1 0" ref="0.1"/></body>)",
+            name(leg)));
+  }
+  const LoadedRobot loaded = load_robot_with_report(write("made.xml", text));
+  EXPECT_EQ(loaded.robot.joint_count(), 8);
+  EXPECT_NEAR(loaded.report.locked.at("FL_toe"), 0.35, 1e-15);
+  EXPECT_TRUE(warns(loaded.report.warnings, "4 joint(s) are held rigidly"));
+  MadeMjcf wrong;
+  wrong.sections = R"(<equality><joint joint1="FL_elbow"/></equality>)";
+  EXPECT_EQ(refusal(wrong).expected(), "a hinge of this file in joint1");
 }
 
 TEST_F(MjcfReader, AFollowerOfNothingIsRefused) {

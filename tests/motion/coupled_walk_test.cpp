@@ -1,8 +1,10 @@
 // A robot whose ankles follow its knees walks in every engine that couples joints, and is refused elsewhere.
 #include "gait/scale.h"
+#include "motion/foot_target_tracker.h"
 #include "motion/gait_source.h"
 #include "motion/walk.h"
 #include "physics/core/error.h"
+#include "physics/robot/multibody.h"
 #include "tests/physics/core/config_error.h"
 #include "tests/physics/robot_files/scratch_robot.h"
 #include "tests/physics/robot_files/serial_urdf.h"
@@ -56,13 +58,34 @@ TEST_P(CoupledWalk, GoesAheadWithItsFollowersInPlace) {
   EXPECT_LT(largest, 2e-3);
 }
 
-TEST(CoupledLegs, WhoseKneesFollowAreNotForFeetThatGoAnywhere) {
+/// Abduction and hip move the foot of such a leg aside and up: where along x it is follows.
+TEST(CoupledLegs, WhoseKneesFollowAreAsHighAndAsFarAsideAsAskedFor) {
   SerialUrdf urdf;
-  urdf.knee_mimic = R"(joint="{0}_pitch" multiplier="-2")";
-  const WorldSpec spec = scenes::world_of(load(urdf));
-  const ConfigError error = config_error(
-      [&] { (void)make_gait_controller(choose_gait("trot", {}, {}, gait_scale(*spec.robot)), spec); });
-  EXPECT_EQ(error.element(), "legs.FL");
+  urdf.knee_mimic = R"(joint="{0}_pitch" multiplier="-1.6")";
+  const scenes::RobotPtr robot = load(urdf);
+  FootTargetTracker tracker(robot, ServoCompensation::none());
+  LegArray<Vector3> feet;
+  for (const Leg leg : kLegs)
+    feet[leg] = {0.05, 0.03 * side_sign(leg),
+                 -robot->standing_height + 0.02 * static_cast<double>(index(leg))};
+  const JointTargets& targets = tracker.update(feet, 0);
+  EXPECT_EQ(tracker.clamped(), 0);
+  RobotState state;
+  state.q = robot->home;
+  const std::vector<int> servos = robot->actuated_joints();
+  for (std::size_t k = 0; k < servos.size(); ++k)
+    state.q[servos[k]] = targets.q[static_cast<Eigen::Index>(k)];
+  robot->place_followers(state.q);
+  std::vector<Pose> poses;
+  forward_kinematics(*robot, state, poses);
+  for (const Leg leg : kLegs) {
+    const Vector3 foot = foot_position(*robot, leg, poses) - tracker.kinematics()[leg].origin();
+    EXPECT_LT((foot - feet[leg]).tail<2>().norm(), 1e-9) << name(leg);  // ten times kConverged
+  }
+  feet[Leg::FL].z() = -1;
+  (void)tracker.update(feet, 0);
+  EXPECT_EQ(tracker.status()[Leg::FL], IkStatus::kClampedTooFar);
+  EXPECT_EQ(tracker.status()[Leg::FR], IkStatus::kOk);
 }
 
 }  // namespace

@@ -85,6 +85,48 @@ TEST(RobotQuantities, ContactThatTheFileSaysAndNothingSimulatesIsWarnedOfWithBot
   EXPECT_FALSE(any_holds(warnings, "cone"));
 }
 
+TEST(RobotQuantities, WhatIsNotSimulatedIsARowWithoutAUsedNumber) {
+  LoadedRobot loaded = serial();
+  const std::string joint = loaded.robot.joint(0).name;
+  loaded.report.unused = {{joint, "mechanicalReduction", "6.33", "", "not simulated: gears"},
+                          {"link 'trunk'", "fdir1", "1 0 0", "", "not simulated: directions"}};
+  const auto& body = loaded.robot.bodies[static_cast<std::size_t>((*loaded.robot.legs)[Leg::FL].foot_body)];
+  ContactNumbers numbers;
+  numbers.not_simulated["kp"] = {1e6, "a spring of ODE's"};
+  for (const CollisionShape& shape : body.shapes) loaded.report.contact.shapes[shape.name] = numbers;
+  const std::vector<RobotQuantity> rows = robot_quantities(loaded, {});
+  const RobotQuantity& gear = find(rows, joint, "mechanicalReduction");
+  EXPECT_EQ(std::get<double>(gear.file), 6.33);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(gear.used));
+  EXPECT_EQ(std::get<std::string>(find(rows, "link 'trunk'", "fdir1").file), "1 0 0");
+  EXPECT_EQ(std::get<double>(find(rows, "foot FL", "kp").file), 1e6);
+  EXPECT_EQ(find(rows, "foot FL", "kp").why, "not simulated: a spring of ODE's");
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(find(rows, "foot FL", "friction").file))
+      << "no default of MuJoCo's in a file that is no MJCF";
+  EXPECT_FALSE(any_holds(robot_warnings(loaded, {}), "not as the file says"));
+}
+
+TEST(RobotQuantities, SoftnessOfCouplingsIsTheFilesWhereItSaysIt) {
+  LoadedRobot loaded = serial();
+  const std::string follower = loaded.robot.joint(1).name;
+  loaded.robot.couplings = {{.follower = 1, .leader = 0}};
+  NamedCoupling coupling;
+  coupling.follower = follower, coupling.leader = loaded.robot.joint(0).name, coupling.place = "mimic";
+  const auto row = [&](const std::string& name) {
+    loaded.report.couplings = {{follower, coupling}};
+    return find(robot_quantities(loaded, {}), follower, name);
+  };
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(row("follows").file)) << "a robot.yaml alone says it";
+  loaded.report.couplings_of_file = {{follower, coupling}};
+  EXPECT_EQ(std::get<std::string>(row("follows").file), coupling.leader);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(row("coupling_solref").file));
+  EXPECT_EQ(row("coupling_solref").why, "none is given");
+  coupling.says_softness = true;
+  loaded.report.couplings_of_file = {{follower, coupling}};
+  EXPECT_EQ(std::get<std::vector<double>>(row("coupling_solref").file), (std::vector{0.005, 1.0}));
+  EXPECT_EQ(row("coupling_solref").why, "mimic");
+}
+
 TEST(RobotQuantities, StepsThatAreTooLongForTheServosAreWarnedOf) {
   LoadedRobot loaded = serial();
   EXPECT_EQ(servo_loop_warning(loaded.robot, 1e-3), "");

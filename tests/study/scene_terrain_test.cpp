@@ -2,12 +2,15 @@
 #include "study/scene_terrain.h"
 
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "backends/registry.h"
+#include "physics/core/text.h"
+#include "physics/terrain/terrain.h"
 #include "tests/physics/core/config_error.h"
 #include "tests/physics/core/scratch_folder.h"
 
@@ -94,6 +97,102 @@ TEST_F(Scenes, HeightFieldsLieWhereTheyAre) {
   EXPECT_NEAR(field.height(-0.2, -0.1), 0.25, kRounding);
   EXPECT_NEAR(field.height(0, -0.1), 0.5, kRounding) << "the last row of the text has the least y";
   EXPECT_NEAR(field.height(0, 0.1), 0.25, kRounding);
+}
+
+/// Of MuJoCo's own format: rows, columns, floats, the row of the least y first.
+std::string binary_field(std::int32_t rows, std::int32_t columns, const std::vector<float>& heights) {
+  std::string bytes(sizeof rows + sizeof columns + heights.size() * sizeof(float), 0);
+  std::memcpy(bytes.data(), &rows, sizeof rows);
+  std::memcpy(bytes.data() + sizeof rows, &columns, sizeof columns);
+  std::memcpy(bytes.data() + sizeof rows + sizeof columns, heights.data(), heights.size() * sizeof(float));
+  return bytes;
+}
+constexpr const char* kFieldOfFile = "<asset><hfield name='h' file='h.bin' size='.2 .1 .5 .1'/></asset>";
+constexpr const char* kFieldGeom = "<geom type='hfield' hfield='h' pos='0 0 .25'/>";
+
+TEST_F(Scenes, BinaryHeightFieldsAreReadRowByRowFromTheLeastY) {
+  write("h.bin", binary_field(2, 3, {0, 5, 10, 0, 0, 10}));
+  const HeightField field = *read(kFieldGeom, 0.1, kFieldOfFile).field;
+  ASSERT_EQ(field.columns(), 5);
+  ASSERT_EQ(field.rows(), 3);
+  EXPECT_NEAR(field.height(0.2, 0.1), 0.75, kRounding);
+  EXPECT_NEAR(field.height(0, -0.1), 0.5, kRounding);
+  EXPECT_NEAR(field.height(0, 0.1), 0.25, kRounding);
+}
+
+TEST_F(Scenes, BinaryHeightFieldsThatAreNoneAreRefusedByName) {
+  const auto refused = [&](const std::string& bytes) {
+    const std::string file = write("h.bin", bytes);
+    const ConfigError error = config_error([&] { (void)read(kFieldGeom, 0.1, kFieldOfFile); });
+    EXPECT_EQ(error.source(), file);
+    return error.expected();
+  };
+  EXPECT_EQ(refused("short"), "a height field of MuJoCo's: rows, columns, floats");
+  EXPECT_EQ(refused(binary_field(2, 3, {0, 1, 2})), "32 bytes for 2 x 3 floats");
+  EXPECT_EQ(refused(binary_field(2, 2, {0, 1, 2, NAN})), "finite numbers");
+  for (const auto& [rows, columns] : {std::pair(-1, 3), {2, 1 << 30}, {0, 0}, {1, 8}})
+    EXPECT_EQ(refused(binary_field(rows, columns, {0, 1})), "2 to 4096 of each");
+}
+
+/// A world of SDF: one static model of these collisions at x = 1, turned by half a turn about z.
+class SdfGrounds : public ScratchFolder {
+ protected:
+  SceneTerrain read(const std::string& shapes, const std::string& model = "<static>1</static>") const {
+    std::string collisions;
+    for (const std::string_view shape : parts_of(shapes, "|"))
+      collisions += fmt::format("<collision name='c{}'>{}</collision>", collisions.size(), shape);
+    return read_scene_terrain(
+        write(
+            "scene.sdf",
+            fmt::format("<sdf version='1.9'><world name='w'><model name='ground'>{}<pose>1 0 0 0 0 {}</pose>"
+                        "<link name='l'>{}</link></model></world></sdf>",
+                        model, std::numbers::pi, collisions)),
+        0.1);
+  }
+};
+
+TEST_F(SdfGrounds, ShapesStandWhereTheirModelIs) {
+  const SceneTerrain scene = read(
+      "<geometry><plane><normal>0 0 1</normal></plane></geometry>|"
+      "<pose>.5 0 .1 0 0 0</pose><geometry><box><size>.4 .4 .2</size></box></geometry>|"
+      "<geometry><polyline/></geometry>");
+  EXPECT_NEAR(scene.field->height(0.5, 0), 0.2, kRounding) << "half a turn about x = 1";
+  EXPECT_NEAR(scene.field->height(0, 0), 0, kRounding);
+  ASSERT_EQ(scene.warnings.size(), 1U);
+  EXPECT_TRUE(scene.warnings[0].starts_with("left out 1 collision(s) that are no plane"))
+      << scene.warnings[0];
+}
+
+TEST_F(SdfGrounds, HeightMapsReachFromBlackToTheLightest) {
+  // 2 x 2: white at the upper right, black else.
+  write_png(HeightField(2, 2, 1, 1, {0, 0, 0, 0.05F}), path("map.png"));
+  const SceneTerrain scene = read(
+      "<geometry><heightmap><uri>map.png</uri><size>2 2 3</size><pos>0 0 1</pos></heightmap></geometry>");
+  // The model's half turn takes the upper right to the lower left, around x = 1.
+  EXPECT_NEAR(scene.field->height(0, -1), 4, kRounding);
+  EXPECT_NEAR(scene.field->height(2, 1), 1, kRounding);
+  EXPECT_NEAR(scene.field->height(1, 0), 2.5, 1e-3) << "on the diagonal, but for the picture's steps of grey";
+}
+
+TEST_F(SdfGrounds, WhatIsNoGroundIsRefusedOrLeftOut) {
+  const auto refused = [&](const std::string& shapes) {
+    return config_error([&] { (void)read(shapes); }).expected();
+  };
+  EXPECT_EQ(refused("<geometry><heightmap><uri>gone.png</uri></heightmap></geometry>"),
+            "a file that is there");
+  write("map.tif", "any");
+  EXPECT_EQ(refused("<geometry><heightmap><uri>map.tif</uri></heightmap></geometry>"), "a height map as PNG");
+  std::string many;
+  for (int i = 0; i < 30; ++i)
+    many += "<geometry><box><size>400 400 1</size></box></geometry>|";  // each over 4001 x 4001 samples
+  EXPECT_EQ(refused(many + "<geometry/>"), "at most 4e+08 samples under shapes together, so larger cells");
+  EXPECT_EQ(refused("<geometry><sphere><radius>-1</radius></sphere></geometry>"), "a number above 0");
+  EXPECT_EQ(refused("<geometry><plane><normal>0 0 -1</normal></plane></geometry>"),
+            "a plane that faces upwards");
+  EXPECT_EQ(refused("<geometry><plane><normal>0 0 1</normal></plane></geometry>"),
+            "shapes that are fixed to the world, beside a plane");
+  EXPECT_THROW((void)read("<geometry><sphere><radius>1</radius></sphere></geometry>", ""), ConfigError)
+      << "a model that falls is no ground";
 }
 
 TEST_F(Scenes, OverhangsAreSaidWithTheirShare) {

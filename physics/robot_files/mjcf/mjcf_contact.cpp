@@ -54,6 +54,7 @@ void override_numbers(const MjcfElement& says, std::string_view prefix, ContactN
 }  // namespace
 
 MjcfContact::MjcfContact(const MjcfElement& root, const MjcfDefaults& defaults) : defaults_(defaults) {
+  options_.has_mujoco_defaults = true;
   options_.ground = "MuJoCo's defaults, for the file has no ground";
   bool found = false;
   for (const MjcfElement& section : root.children) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -64,18 +65,14 @@ std::string_view defaults_or_own(const MjcfDefaults& defaults, const MjcfElement
   return says == nullptr ? std::string_view() : says->attribute(attribute);
 }
 
-NamedCoupling read_follower(const MjcfElement& e, const MjcfDefaults& defaults, const std::string& file) {
-  NamedCoupling coupling;
-  coupling.follower = e.attribute("joint1");
-  coupling.leader = e.attribute("joint2");
-  if (coupling.follower.empty() || coupling.follower == coupling.leader)
-    fail_at(e, "two joints: joint1 and joint2", fmt::format("'{}' alone", coupling.leader));
-  if (e.has("polycoef")) {
-    const std::vector<double> numbers = mjcf_numbers(e, "polycoef", 1, 5);
-    coupling.coefficients = {};
-    coupling.coefficients[1] = 1;  // what MuJoCo has where fewer are said
-    std::copy(numbers.begin(), numbers.end(), coupling.coefficients.begin());
-  }
+/// Reads polycoef, of which MuJoCo has 1 for the second number where fewer are said.
+std::array<double, 5> polynomial_of(const MjcfElement& e) {
+  std::array<double, 5> coefficients{0, 1, 0, 0, 0};
+  if (e.has("polycoef")) std::ranges::copy(mjcf_numbers(e, "polycoef", 1, 5), coefficients.begin());
+  return coefficients;
+}
+
+void read_softness_of(const MjcfElement& e, const MjcfDefaults& defaults, NamedCoupling& coupling) {
   const auto numbers = [&](const char* attribute, std::size_t most) {
     const MjcfElement* says = equality_saying(defaults, e, attribute);
     return says == nullptr ? std::vector<double>() : mjcf_numbers(*says, attribute, 1, most);
@@ -88,6 +85,55 @@ NamedCoupling read_follower(const MjcfElement& e, const MjcfDefaults& defaults, 
   std::copy(solref.begin(), solref.end(), all_solref.begin());
   std::copy(solimp.begin(), solimp.end(), all_solimp.begin());
   coupling.softness = softness_of(all_solref, all_solimp);
+  coupling.says_softness = !solref.empty() || !solimp.empty();
+}
+
+NamedCoupling read_follower(const MjcfElement& e, const MjcfDefaults& defaults, const std::string& file) {
+  NamedCoupling coupling;
+  coupling.follower = e.attribute("joint1");
+  coupling.leader = e.attribute("joint2");
+  if (coupling.follower.empty() || coupling.follower == coupling.leader)
+    fail_at(e, "two joints: joint1 and joint2", fmt::format("'{}' alone", coupling.leader));
+  coupling.coefficients = polynomial_of(e);
+  read_softness_of(e, defaults, coupling);
+  coupling.place = mjcf_place(e, file);
+  return coupling;
+}
+
+/// Reads a `<tendon>` in `<equality>` that ties two joints: one tendon of both, or two of one each. Lengths
+/// count from those at the joints' references, and what of them a joint makes is its coefficient times its
+/// angle.
+/// @param driven  joints with an actuator, which lead where the other one has none
+std::optional<NamedCoupling> read_tied(const MjcfElement& e, const MjcfDefaults& defaults,
+                                       const Tendons& tendons, const std::set<std::string>& driven,
+                                       const std::string& file) {
+  const auto joints_of = [&](const char* attribute) {
+    const auto tendon = tendons.find(std::string(e.attribute(attribute)));
+    return tendon == tendons.end() ? Tendons::mapped_type() : tendon->second;
+  };
+  const Tendons::mapped_type first = joints_of("tendon1"), second = joints_of("tendon2");
+  const std::array<double, 5> p = polynomial_of(e);
+  NamedCoupling coupling;
+  const auto tie = [&](const auto& follower, const auto& leader) {
+    coupling.follower = follower.first, coupling.leader = leader.first;
+    return follower.second != 0 && follower.first != leader.first;
+  };
+  if (!e.has("tendon2") && first.size() == 2) {
+    // a f + b l = p0
+    const bool first_leads = driven.contains(first[0].first) && !driven.contains(first[1].first);
+    const auto &follower = first[first_leads ? 1 : 0], &leader = first[first_leads ? 0 : 1];
+    if (!tie(follower, leader)) return std::nullopt;
+    coupling.coefficients = {p[0] / follower.second, -leader.second / follower.second};
+  } else if (first.size() == 1 && second.size() == 1) {
+    // a f = p(b l)
+    if (!tie(first[0], second[0])) return std::nullopt;
+    double power = 1;
+    for (std::size_t i = 0; i < p.size(); ++i, power *= second[0].second)
+      coupling.coefficients[i] = p[i] * power / first[0].second;
+  } else {
+    return std::nullopt;
+  }
+  read_softness_of(e, defaults, coupling);
   coupling.place = mjcf_place(e, file);
   return coupling;
 }
@@ -98,13 +144,14 @@ MjcfCouplings find_couplings(MjcfDocument& document, const MjcfDefaults& default
   MjcfCouplings found;
   std::map<std::string, std::string>& coupled = found.others;
   const Tendons tendons = fixed_tendons(document.root());
-  std::set<std::string> driven;
+  std::set<std::string> driven, pulled;  // joints and tendons with an actuator
   const auto couple = [&](const MjcfElement& e, const char* attribute, const char* how) {
     const auto tendon = tendons.find(std::string(e.attribute(attribute)));
     if (tendon == tendons.end()) return;
     for (const auto& [joint, coefficient] : tendon->second)
-      coupled[joint] = fmt::format("{} tendon '{}' ({})", how, printable_text(tendon->first, 200),
-                                   mjcf_place(e, document.path()));
+      coupled[joint] =
+          fmt::format("{} tendon '{}' of {} joint(s) ({})", how, printable_text(tendon->first, 200),
+                      tendon->second.size(), mjcf_place(e, document.path()));
   };
   for (MjcfElement& section : document.root().children) {
     for (MjcfElement& e : section.children) {
@@ -114,27 +161,63 @@ MjcfCouplings find_couplings(MjcfDocument& document, const MjcfDefaults& default
         drive_joint(e, tendon->second.front(), defaults);
       } else if (e.has("tendon")) {
         couple(e, "tendon", "is driven by");
+        pulled.emplace(e.attribute("tendon"));
       }
       if (e.has("joint")) driven.insert(std::string(e.attribute("joint")));
     }
   }
   std::erase_if(coupled, [&](const auto& entry) { return driven.contains(entry.first); });
-  for (const MjcfElement& section : document.root().children) {
-    if (section.tag != "equality") continue;
-    for (const MjcfElement& e : section.children) {
-      if (defaults_or_own(defaults, e, "active") == "false") continue;
-      if (e.tag == "joint" && e.has("joint2")) {
-        found.followers.push_back(read_follower(e, defaults, document.path()));
-        found.followers.back().is_driven = driven.contains(found.followers.back().follower);
-      } else if (e.tag == "joint") {
-        coupled[std::string(e.attribute("joint1"))] =
-            fmt::format("is held ({})", mjcf_place(e, document.path()));
-      } else if (e.tag == "tendon") {
-        for (const char* name : {"tendon1", "tendon2"}) couple(e, name, "hangs on");
-      }
+  std::set<std::string> taken;  // tendons that became couplings
+  const auto read_tendons = [&](const MjcfElement& e) {
+    const std::string one(e.attribute("tendon1")), other(e.attribute("tendon2"));
+    const bool moves_by_itself = pulled.contains(one) || pulled.contains(other);
+    auto tied = moves_by_itself ? std::nullopt : read_tied(e, defaults, tendons, driven, document.path());
+    if (tied) {
+      found.followers.push_back(std::move(*tied));
+      taken.insert({one, other});
+    } else {
+      for (const char* name : {"tendon1", "tendon2"}) couple(e, name, "hangs on");
     }
+    return tied.has_value();
+  };
+  for (MjcfElement& section : document.root().children) {
+    if (section.tag != "equality") continue;
+    std::erase_if(section.children, [&](const MjcfElement& e) {
+      const bool is_joint = e.tag == "joint";
+      if (defaults_or_own(defaults, e, "active") == "false") return is_joint;
+      if (e.tag == "tendon") return read_tendons(e);
+      if (!is_joint) return false;
+      if (e.has("joint2")) {
+        found.followers.push_back(read_follower(e, defaults, document.path()));
+      } else {
+        found.held.push_back(
+            {std::string(e.attribute("joint1")), polynomial_of(e)[0], mjcf_place(e, document.path())});
+      }
+      return true;
+    });
+  }
+  for (NamedCoupling& coupling : found.followers) coupling.is_driven = driven.contains(coupling.follower);
+  for (MjcfElement& section : document.root().children) {
+    if (section.tag != "tendon") continue;
+    std::erase_if(section.children, [&](const MjcfElement& e) {
+      return e.tag == "fixed" && taken.contains(std::string(e.attribute("name")));
+    });
   }
   return found;
+}
+
+std::map<std::string, double> held_angles(const std::vector<MjcfHeld>& held,
+                                          const std::map<std::string, double>& reference,
+                                          const std::string& file) {
+  std::map<std::string, double> angles;
+  for (const MjcfHeld& one : held) {
+    const auto of = reference.find(one.joint);
+    if (of == reference.end())
+      throw ConfigError(file, one.place, "a hinge of this file in joint1",
+                        fmt::format("'{}'", printable_text(one.joint, 200)));
+    angles[one.joint] = of->second + one.offset;
+  }
+  return angles;
 }
 
 void refer_to_zero(NamedCoupling& coupling, const std::map<std::string, double>& reference,

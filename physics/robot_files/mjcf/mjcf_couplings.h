@@ -11,20 +11,36 @@
 
 namespace crossgait {
 
+/// Describes a joint that `<joint>` in `<equality>` holds.
+struct MjcfHeld {
+  std::string joint;
+  double offset = 0;  ///< from its reference, rad
+  std::string place;
+};
+
 /// Holds how the joints of a file hang together.
 struct MjcfCouplings {
-  /// Of `<joint>` in `<equality>` that say two joints, with their solref and solimp, or MuJoCo's defaults.
-  /// Angles count from the joints' references, for which `refer_to_zero` makes up.
+  /// Of `<joint>` in `<equality>` that say two joints, and of `<tendon>` there that tie two, by a fixed
+  /// tendon of both or by two of one each, with their solref and solimp, or MuJoCo's defaults. Angles count
+  /// from the joints' references, for which `refer_to_zero` makes up.
   std::vector<NamedCoupling> followers;
-  /// What else moves joints, by joint ("is held (equality joint (line 7))"), none of which is simulated: a
-  /// `<joint>` in `<equality>` that says one joint alone, and fixed tendons of several joints that are
-  /// driven, or are equal to another, for those without an actuator of their own.
+  std::vector<MjcfHeld> held;  ///< of `<joint>` in `<equality>` that say one joint alone
+  /// What else moves joints, by joint ("hangs on tendon 't' of 3 joint(s) (line 7)"), none of which is
+  /// simulated: fixed tendons of several joints that are driven, for those without an actuator of their own,
+  /// or that an equality ties otherwise.
   std::map<std::string, std::string> others;
 };
 
-/// Finds them; what is not active is none. Of a tendon of one joint its actuators become that joint's, with
-/// its coefficient in their gear. @throws ConfigError naming the element
+/// Finds them, and takes what is found out of the document; what is not active is none. Of a tendon of one
+/// joint its actuators become that joint's, with its coefficient in their gear. @throws ConfigError naming
+/// the element
 MjcfCouplings find_couplings(MjcfDocument& document, const MjcfDefaults& defaults);
+
+/// Returns the angle of each held joint, rad. @param reference,file  as `refer_to_zero` takes them  @throws
+/// ConfigError
+std::map<std::string, double> held_angles(const std::vector<MjcfHeld>& held,
+                                          const std::map<std::string, double>& reference,
+                                          const std::string& file);
 
 /// Makes q1 - ref1 = p(q2 - ref2), as MuJoCo means its polycoef, a polynomial of q2. @param reference  of
 /// each hinge of the file, rad  @throws ConfigError naming `file` and the element for a joint that is none

@@ -312,6 +312,17 @@ ParsedRobot merge_play(ParsedRobot robot, ReaderWarnings& warnings) {
   return play.empty() ? robot : lock_joints(std::move(robot), play);
 }
 
+/// Notes which of the robot's joints are held; others are of what was left out.
+void hold_joints(const std::map<std::string, double>& angles, ParsedRobot& robot, ReaderWarnings& warnings) {
+  for (std::size_t i = 1; i < robot.bodies.size(); ++i) {
+    const auto held = angles.find(robot.bodies[i].joint.name);
+    if (held == angles.end()) continue;
+    robot.held.insert(*held);
+    warnings.list(" joint(s) are held rigidly, which <joint> in <equality> holds softly: ",
+                  fmt::format("'{}' at {:.4g} rad", held->first, held->second));
+  }
+}
+
 }  // namespace
 
 ParsedRobot read_mjcf(const std::string& path) {
@@ -335,6 +346,7 @@ ParsedRobot read_mjcf(const std::string& path) {
   robot.contact = contact.read(document.root());
   drive_joints(actuators, forces, model, path, robot, warnings);
   robot = merge_play(std::move(robot), warnings);
+  hold_joints(held_angles(couplings.held, references, path), robot, warnings);
   robot.warnings = warnings.sentences();
   return robot;
 }

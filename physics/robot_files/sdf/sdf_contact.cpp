@@ -1,31 +1,18 @@
 #include "physics/robot_files/sdf/sdf_contact.h"
 
-#include <algorithm>
 #include <numbers>
 
 #include <fmt/format.h>
 
+#include "physics/robot_files/ode_surface.h"
 #include "physics/robot_files/sdf/sdf_values.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kLargestFriction = 10;  // as of ContactSpec
-
-void read_sliding(const SdfElement& ode, const std::string& place, ContactNumbers& numbers,
-                  ReaderWarnings& warnings) {
-  for (const char* none : {"fdir1", "slip1", "slip2"}) ode.pass_over(none, {"0", "0.0", "0 0 0"});
-  if (ode.find("mu") == nullptr) return;
-  const double mu = sdf_size(ode, "mu", 1), across = sdf_size(ode, "mu2", mu);
-  if (across != mu)
-    warnings.count(fmt::format("took mu {:g} in both directions (mu2 is {:g}) of ", mu, across),
-                   " collision(s)", place);
-  numbers.friction[0] = std::min(mu, kLargestFriction);
-  if (mu > kLargestFriction)
-    warnings.count(
-        fmt::format("took a friction of {:g}, the largest there is, for mu {:g} of ", kLargestFriction, mu),
-        " collision(s)", place);
-  numbers.stated.insert("friction");
+/// Reads a number from 0 on, if it is there.
+std::optional<double> size_in(const SdfElement& parent, const char* name) {
+  return parent.find(name) == nullptr ? std::nullopt : std::optional(sdf_size(parent, name, 0));
 }
 
 void read_torsional(const SdfElement& torsional, const std::string& place, ContactNumbers& numbers,
@@ -45,23 +32,6 @@ void read_torsional(const SdfElement& torsional, const std::string& place, Conta
   numbers.stated.insert({"friction", "condim"});
 }
 
-// ODE's spring: its erp and cfm are those of kp and kd in steps of Gazebo's, and in none of ours.
-void read_depenetration(const SdfElement& ode, const std::string& place, ContactNumbers& numbers,
-                        ReaderWarnings& warnings) {
-  constexpr double kFastest = 100;  // m/s, as of ContactSpec
-  if (ode.find("max_vel") != nullptr) {
-    numbers.max_depenetration_velocity = std::min(sdf_size(ode, "max_vel", 0), kFastest);
-    numbers.stated.insert("max_depenetration_velocity");
-  }
-  for (const char* spring : {"kp", "kd", "soft_erp", "soft_cfm", "min_depth"})
-    if (ode.find(spring) != nullptr)
-      warnings.count("left out ",
-                     fmt::format(" <{}> of surfaces: a spring of ODE's (solref, solimp and erp are settings "
-                                 "of contact here)",
-                                 spring),
-                     place);
-}
-
 }  // namespace
 
 std::optional<ContactNumbers> read_contact(const SdfElement& collision, const std::string& main_file,
@@ -70,16 +40,22 @@ std::optional<ContactNumbers> read_contact(const SdfElement& collision, const st
   if (surface == nullptr) return std::nullopt;
   const std::string place = sdf_place(collision, main_file);
   ContactNumbers numbers;
-  if (const SdfElement* contact = surface->find("contact")) {
-    if (const SdfElement* ode = contact->find("ode")) read_depenetration(*ode, place, numbers, warnings);
-    contact->pass_over_all();
+  OdeSurface of_ode;
+  const SdfElement *contact = surface->find("contact"), *friction = surface->find("friction");
+  if (const SdfElement* ode = contact == nullptr ? nullptr : contact->find("ode")) {
+    of_ode.max_vel = size_in(*ode, "max_vel");
+    for (const char* name : {"kp", "kd", "soft_erp", "soft_cfm", "min_depth"})
+      if (const auto number = size_in(*ode, name)) of_ode.spring[name] = *number;
   }
-  if (const SdfElement* friction = surface->find("friction")) {
-    if (const SdfElement* ode = friction->find("ode")) read_sliding(*ode, place, numbers, warnings);
-    if (const SdfElement* torsional = friction->find("torsional"))
-      read_torsional(*torsional, place, numbers, warnings);
+  if (contact != nullptr) contact->pass_over_all();
+  if (const SdfElement* ode = friction == nullptr ? nullptr : friction->find("ode")) {
+    for (const char* none : {"fdir1", "slip1", "slip2"}) ode->pass_over(none, {"0", "0.0", "0 0 0"});
+    of_ode.mu = size_in(*ode, "mu"), of_ode.mu2 = size_in(*ode, "mu2");
   }
-  return numbers.stated.empty() ? std::nullopt : std::optional(numbers);
+  take_ode_surface(of_ode, place, numbers, warnings);
+  if (friction != nullptr && friction->find("torsional") != nullptr)
+    read_torsional(*friction->find("torsional"), place, numbers, warnings);
+  return numbers.is_empty() ? std::nullopt : std::optional(numbers);
 }
 
 ContactOfFile read_world(const SdfElement& world) {

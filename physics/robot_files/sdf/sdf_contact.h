@@ -13,7 +13,7 @@ namespace crossgait {
 /// Reads the `<surface>` of a collision: `mu` is Coulomb's coefficient in both directions, and a torsional
 /// coefficient with a patch of fixed radius a length (Gazebo, "Torsional friction": the torque is
 /// 3 pi / 16 times coefficient, radius and load). Stiffness and damping of contacts, bounces and friction of
-/// other kinds are not of this contact law, and counted. Empty if it says nothing of friction.
+/// other kinds are not of this contact law, and counted. Empty if it says nothing of them.
 /// @throws ConfigError naming the element
 std::optional<ContactNumbers> read_contact(const SdfElement& collision, const std::string& main_file,
                                            ReaderWarnings& warnings);

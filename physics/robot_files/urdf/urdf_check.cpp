@@ -223,7 +223,8 @@ CheckedUrdf check_urdf(const std::string& text, const std::string& source, Reade
   TiXmlPrinter printer;
   printer.SetStreamPrinting();
   checked.Accept(&printer);
-  return {printer.Str(), read_urdf_visuals(*robot, source, warnings), check.couplings()};
+  return {printer.Str(), read_urdf_visuals(*robot, source, warnings), check.couplings(),
+          read_urdf_extensions(*robot, UrdfErrors(source), warnings)};
 }
 
 }  // namespace crossgait

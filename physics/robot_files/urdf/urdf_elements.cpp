@@ -53,6 +53,11 @@ const std::map<std::string_view, ElementRule>& rules() {
       {"mesh", {{{"filename", {0, true}}, {"scale", kVector}}, {}}},
       {"joint",
        {{{"name", kText}, {"type", kText}}, {"origin", "parent", "child", "axis", "limit", "dynamics"}}},
+      {"visual", {{{"name", kText}}, {"origin", "geometry", "material"}}},
+      {"material", {{{"name", kText}}, {"color", "texture"}}},
+      {"color", {{{"rgba", kText}}, {}}},
+      {"texture", {{{"filename", kText}}, {}}},
+      {"mimic", {{{"joint", kText}, {"multiplier", kText}, {"offset", kText}}, {}}},
       {"parent", {{{"link", kText}}, {}}},
       {"child", {{{"link", kText}}, {}}},
       {"axis", {{{"xyz", kVector}}, {}}},
@@ -91,9 +96,12 @@ class ElementCopy {
     std::set<std::string> seen;
     for (auto* c = from.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
       const std::string& tag = c->ValueStr();
-      if (tag == "visual") continue;                               // urdf_visuals.h
-      if (tag == "mimic" && from.ValueStr() == "joint") continue;  // urdf_check.cpp
-      if (std::find(rule.children.begin(), rule.children.end(), tag) == rule.children.end()) {
+      const bool is_mimic = tag == "mimic" && from.ValueStr() == "joint";
+      if ((tag == "visual" && from.ValueStr() == "link") || (is_mimic && seen.insert(tag).second)) {
+        count_unknown(*c);  // read by urdf_visuals.h, urdf_check.cpp
+      } else if (is_mimic) {
+        count("ignored ", " further <mimic>", *c);
+      } else if (std::find(rule.children.begin(), rule.children.end(), tag) == rule.children.end()) {
         ignore(*c);
       } else if (tag != "collision" && (!seen.insert(tag).second || (is_geometry && seen.size() > 1))) {
         if (tag == "parent" || tag == "child")
@@ -111,6 +119,28 @@ class ElementCopy {
     warnings_.count(before, after, urdf_place(top_, at));
   }
 
+  /// Of an element that is read elsewhere what nobody reads.
+  void count_unknown(const TiXmlElement& element) {
+    const ElementRule& rule = rules().at(element.ValueStr());
+    for (auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
+      if (!rule.attributes.contains(a->Name())) ignore(*a, element);
+    }
+    std::set<std::string> seen;
+    for (auto* c = element.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
+      const std::string& tag = c->ValueStr();
+      if (std::find(rule.children.begin(), rule.children.end(), tag) == rule.children.end()) {
+        ignore(*c);
+      } else if (!seen.insert(tag).second) {
+        count("ignored ", fmt::format(" further <{}>", tag), *c);
+      } else {
+        count_unknown(*c);
+      }
+    }
+  }
+
+  void ignore(const TiXmlAttribute& unknown, const TiXmlElement& of) {
+    count("ignored ", fmt::format(" attribute(s) '{}' of <{}>", unknown.Name(), of.Value()), of);
+  }
   void ignore(const TiXmlElement& unknown) {
     count("ignored ", fmt::format(" <{}>", unknown.ValueStr()), unknown);
   }
@@ -120,7 +150,7 @@ class ElementCopy {
     for (auto* a = from.FirstAttribute(); a != nullptr; a = a->Next()) {
       const auto known = rule.attributes.find(a->Name());
       if (known == rule.attributes.end()) {
-        count("ignored ", fmt::format(" attribute(s) '{}' of <{}>", a->Name(), from.Value()), from);
+        ignore(*a, from);
         continue;
       }
       std::string value = a->ValueStr();

@@ -163,6 +163,25 @@ class TreeBuilder {
   ParsedRobot robot_;
 };
 
+void add_extensions(const UrdfExtensions& extensions, const std::string& path, ParsedRobot& robot) {
+  robot.unused = extensions.unused;
+  robot.contact.ground = "any ground, as the lesser mu is Gazebo's";
+  for (const auto& [link, numbers] : extensions.surfaces) {
+    const auto place = robot.links.find(link);
+    if (place == robot.links.end()) continue;  // a root that stood for the world
+    const Body& body = robot.bodies[static_cast<std::size_t>(place->second.body)];
+    for (const int shape : place->second.shapes)
+      robot.contact.shapes[body.shapes[static_cast<std::size_t>(shape)].name] = numbers;
+  }
+  for (Body& body : robot.bodies) {
+    const auto spring = extensions.springs.find(body.joint.name);
+    if (spring == extensions.springs.end() || spring->second.stiffness == 0) continue;
+    body.joint.stiffness = spring->second.stiffness;
+    body.joint.spring_reference = spring->second.reference;
+    check_joint(body.joint, path);
+  }
+}
+
 }  // namespace
 
 ParsedRobot read_urdf(const std::string& path) {
@@ -176,6 +195,7 @@ ParsedRobot read_urdf_text(const std::string& text, const std::string& path) {
   ParsedRobot robot = TreeBuilder(path, checked.visuals, warnings).build(*model->getRoot());
   robot.name = model->getName();
   robot.couplings = checked.couplings;
+  add_extensions(checked.extensions, path, robot);
   return robot;
 }
 

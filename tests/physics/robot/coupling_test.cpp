@@ -1,10 +1,12 @@
 // Coupled joints of a description: where followers belong, what is refused, and home poses.
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "physics/engine/world_spec.h"
+#include "physics/robot/followed_joint.h"
 #include "physics/robot/loop_closing.h"
 #include "physics/robot/robot.h"
 #include "tests/physics/core/config_error.h"
@@ -25,6 +27,28 @@ TEST(Coupling, IsAPolynomialAndItsDerivative) {
   EXPECT_NEAR(coupling.slope_at(x), -2 + x + 9 * x * x - x * x * x, 1e-15);
   EXPECT_FALSE(coupling.is_linear());
   EXPECT_TRUE(coupled(1, 0, 0.3, 2).is_linear());
+}
+
+TEST(Coupling, ChainsEndAtWhatIsAskedForOrAtWhoLeadsThemAll) {
+  RobotDescription robot = pendulum_chain(4);
+  robot.couplings = {coupled(3, 2, 0.1, 2), coupled(2, 0, -0.2, 3)};
+  const std::array ends{0, 1};
+  const FollowedJoint to_end = follow_couplings(robot, 3, ends);
+  EXPECT_TRUE(to_end.is_one_of_them);
+  EXPECT_EQ(to_end.joint, 0);
+  // 2 (3 q0 - 0.2) + 0.1
+  EXPECT_DOUBLE_EQ(to_end.multiplier, 6);
+  EXPECT_DOUBLE_EQ(to_end.offset, -0.3);
+  EXPECT_EQ(follow_couplings(robot, 1, ends).joint, 1) << "itself included";
+  const FollowedJoint elsewhere = follow_couplings(robot, 3, std::array{1});
+  EXPECT_FALSE(elsewhere.is_one_of_them);
+  EXPECT_EQ(elsewhere.joint, 0);
+  EXPECT_EQ(elsewhere.not_linear, nullptr);
+  robot.couplings[1].coefficients[2] = 1;
+  EXPECT_EQ(follow_couplings(robot, 3, ends).not_linear, &robot.couplings[1]);
+  robot.couplings.push_back(coupled(0, 3, 0, 1));
+  EXPECT_TRUE(follow_couplings(robot, 3, {}).in_a_circle);
+  EXPECT_FALSE(follow_couplings(robot, 1, {}).in_a_circle);
 }
 
 TEST(Coupling, FollowersAreInPlaceAlongChainsInAnyOrder) {

@@ -86,6 +86,7 @@ TEST_F(UrdfVisuals, ThatCannotBeShownAreDroppedAndCounted) {
   EXPECT_EQ(
       robot.warnings,
       (std::vector<std::string>{
+          "ignored 1 <cone>, first in link 'base' (line 1)",
           "dropped 6 <visual> without a shape or with numbers that are none, first in link 'base' (line 1)",
           "dropped 2 visual mesh(es) whose file is not there, first in link 'link' (line 1) "
           "('package://gone/a.dae')"}));
