@@ -40,6 +40,7 @@ from crossgait.consent import trust
 from crossgait.errors import ConfigError
 from crossgait.importing import Imported, import_policy
 from crossgait.policies import Policy
+from crossgait.serving import serve_engine
 from crossgait.studies import (
     Bench,
     CompareResult,
@@ -119,6 +120,7 @@ __all__ = [
     "policy_names",
     "robots",
     "rollout",
+    "serve_engine",
     "transfer",
     "trust",
     "tune",
