@@ -13,6 +13,7 @@
 
 #include "backends/bundled_engines.h"
 #include "backends/plugin_loader.h"
+#include "backends/served_engine.h"
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
 
@@ -157,7 +158,10 @@ std::vector<std::string> available_engines() { return shared_registry().availabl
 
 const std::vector<EngineFamily>& engine_families() { return shared_registry().families(); }
 
-Engine find_engine(std::string_view name) { return shared_registry().find(name); }
+Engine find_engine(std::string_view name) {
+  if (std::optional<Engine> engine = find_served_engine(name)) return *std::move(engine);
+  return shared_registry().find(name);
+}
 
 bool compiles_mjcf() { return shared_registry().compiles_mjcf(); }
 

@@ -69,7 +69,7 @@ const std::vector<EngineFamily>& engine_families();
 
 /// Finds the engine of a name: one of `available_engines()`; "bullet:native" is an alias of "bullet". A
 /// family's `from` may be followed by factors "+NAME", its `to` by "-NAME": "bullet:matched+surface+coulomb",
-/// "bullet-sweeps".
+/// "bullet-sweeps"; "python:FILE.py" is the one that a file serves (backends/served_engine.h).
 /// @throws ConfigError for an unknown or unavailable name (listing the available ones)
 Engine find_engine(std::string_view name);
 

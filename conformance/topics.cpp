@@ -7,12 +7,14 @@
 #include <fmt/format.h>
 
 #include "conformance/contact_forces.h"
+#include "physics/engine/lost_engine.h"
 #include "physics/robot/multibody.h"
 
 namespace crossgait::conformance {
 
 void advance(PhysicsBackend& world, const JointTargets& targets, int steps) {
   if (world.step(targets, steps) == StepStatus::kOk) return;
+  throw_if_lost(world);
   throw std::runtime_error(fmt::format("{} diverged after {:.4g} s", world.robot().name, world.state().time));
 }
 

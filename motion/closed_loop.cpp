@@ -4,6 +4,7 @@
 
 #include "motion/time_steps.h"
 #include "physics/core/error.h"
+#include "physics/engine/lost_engine.h"
 
 namespace crossgait {
 namespace {
@@ -50,7 +51,10 @@ void ClosedLoop::start(PhysicsBackend& world, Controller& controller, const Star
 
 StepStatus ClosedLoop::control_step(PhysicsBackend& world, bool watched) {
   for (int i = 0; i < substeps_; ++i) {
-    if (const StepStatus status = world.step(targets_.joints); status != StepStatus::kOk) return status;
+    if (const StepStatus status = world.step(targets_.joints); status != StepStatus::kOk) {
+      throw_if_lost(world);
+      return status;
+    }
     if (watched) statistics_.add_physics_step(world, targets_);
   }
   return StepStatus::kOk;

@@ -9,6 +9,7 @@
 #include "backends/registry.h"
 #include "physics/core/error.h"
 #include "physics/core/table.h"
+#include "physics/engine/lost_engine.h"
 #include "physics/robot/actuator.h"
 
 namespace crossgait {
@@ -57,7 +58,10 @@ Standing stand_in(PhysicsBackend& world, const std::string& engine, double secon
   JointVector reached = JointVector::Zero(robot.joint_count()), torques = reached;
   double borne = 0;
   for (std::int64_t i = 0; i < steps; ++i) {
-    if (world.step(targets) != StepStatus::kOk) return standing;
+    if (world.step(targets) != StepStatus::kOk) {
+      throw_if_lost(world);
+      return standing;
+    }
     if (i < steps - averaged) continue;
     const double share = 1 / static_cast<double>(averaged);
     reached += share * world.state().q;

@@ -11,8 +11,14 @@ namespace px = ::physx;
 
 /// Makes PhysX at the first call; there is one of it in a process, which stays to the end. SAPIEN's library,
 /// of which it is a part, may have made it before for others. May be called from several threads at once.
-/// @throws std::runtime_error if it cannot be made
+/// @throws std::runtime_error if it cannot be made, ConfigError in a fork of the process that made it
 px::PxPhysics& the_physics();
+
+/// Tells whether this is a fork of the process that made PhysX. Locks that its threads held stay so there, so
+/// nothing is asked of it.
+bool is_fork() noexcept;
+/// @throws ConfigError if it is
+void refuse_fork();
 
 /// Takes a cache of an articulation out of a stock of those that worlds have given back: the function that
 /// frees one is not in the library.

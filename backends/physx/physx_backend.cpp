@@ -9,6 +9,7 @@
 #include "backends/physx/articulation_model.h"
 #include "backends/physx/settings.h"
 #include "backends/physx/step_contacts.h"
+#include "physics/engine/lost_engine.h"
 
 namespace crossgait::physx {
 namespace {
@@ -31,6 +32,7 @@ EngineInfo make_info(const Settings& settings) {
                .loops = "hard" + way,
                .joint_friction = "hard" + way,
                .joint_limits = "hard" + way,
+               .couplings = "",
                .contact_family = "rigid"};
   info.capabilities.exact_field_query = true;  // the ground is Crossgait's
   info.capabilities.allocates = true;
@@ -38,7 +40,7 @@ EngineInfo make_info(const Settings& settings) {
   return info;
 }
 
-class PhysxBackend final : public PhysicsBackend {
+class PhysxBackend final : public PhysicsBackend, public LosableWorld {
  public:
   PhysxBackend(const WorldSpec& world, const Settings& settings)
       : PhysicsBackend(world), settings_(settings), info_(make_info(settings)) {
@@ -47,8 +49,11 @@ class PhysxBackend final : public PhysicsBackend {
   }
 
   ~PhysxBackend() override { clear(); }
+  PhysxBackend(const PhysxBackend&) = delete;
+  PhysxBackend& operator=(const PhysxBackend&) = delete;
 
   const EngineInfo& info() const override { return info_; }
+  void throw_if_lost() const override { refuse_fork(); }
 
  private:
   void clear() {
@@ -78,12 +83,14 @@ class PhysxBackend final : public PhysicsBackend {
   }
 
   void do_reset(const RobotState& state) override {
+    refuse_fork();
     if (poisoned_) build();
     contacts_->forget();
     model_->set_state(state);
   }
 
   StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept override {
+    if (is_fork()) return StepStatus::kDiverged;
     if (!(tau.size() == 0 || tau.lpNorm<Eigen::Infinity>() < kMost) || !(base.force.norm() < kMost) ||
         !(base.torque.norm() < kMost))
       return StepStatus::kDiverged;
@@ -126,6 +133,7 @@ class PhysxBackend final : public PhysicsBackend {
 
   void do_save(std::vector<double>& engine) const override { model_->save(engine); }
   void do_restore(const std::vector<double>& engine) override {
+    refuse_fork();
     if (poisoned_) build();
     contacts_->forget();
     model_->restore(engine.data());

@@ -12,6 +12,7 @@
 #include "backends/registry.h"
 #include "env/env_arrays.h"
 #include "physics/core/error.h"
+#include "physics/engine/lost_engine.h"
 #include "physics/robot/multibody.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
@@ -111,6 +112,7 @@ const char* step(PhysicsBackend& world, const ArrayLike& targets, int substeps) 
     const Working working(&world);
     status = world.step(joints, substeps);
   }
+  if (status == StepStatus::kDiverged) throw_if_lost(world);
   if (status != StepStatus::kInvalidTargets) world.clear_wrenches();
   if (status == StepStatus::kInvalidTargets)
     throw ConfigError(

@@ -41,6 +41,7 @@ from crossgait.consent import trust
 from crossgait.errors import ConfigError
 from crossgait.importing import Imported, import_policy
 from crossgait.policies import Policy
+from crossgait.serving import serve_engine
 from crossgait.signatures import tell_signatures
 from crossgait.studies import (
     Bench,
@@ -122,6 +123,7 @@ __all__ = [
     "policy_names",
     "robots",
     "rollout",
+    "serve_engine",
     "transfer",
     "trust",
     "tune",

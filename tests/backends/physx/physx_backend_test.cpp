@@ -3,10 +3,15 @@
 #include "backends/physx/physx_backend.h"
 
 #include <numbers>
+#include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "physics/core/error.h"
+#include "physics/engine/lost_engine.h"
 #include "scenes/incline.h"
 #include "scenes/scenes.h"
 
@@ -102,6 +107,53 @@ TEST(PhysxDivergence, OfAPushIsAnOutcomeAndTheWorldWorksAfterAReset) {
     ASSERT_EQ(fresh->step(home, 50), StepStatus::kOk);
     EXPECT_TRUE(scenes::identical(world->state(), fresh->state()));
   }
+}
+
+// There is one PhysX in a process, and every world takes from it and gives back to it.
+TEST(PhysxProcess, WorldsOfManyThreadsAreAsOfOne) {
+  const auto walked = [] {
+    Eigen::Matrix<double, 13, 1> numbers;
+    for (int made = 0; made < 5; ++made) {  // so that worlds are made and given back beside steps of others
+      const auto world = find("physx")->make(scenes::world_of(scenes::quadruped()));
+      EXPECT_EQ(world->step(scenes::home_targets(world->robot()), 40), StepStatus::kOk);
+      const RobotState& state = world->state();
+      numbers << state.p_WB, state.q_WB.coeffs(), state.v_WB, state.w_WB;
+    }
+    return numbers;
+  };
+  const auto alone = walked();
+  std::vector<Eigen::Matrix<double, 13, 1>> together(4);
+  std::vector<std::thread> threads;
+  for (auto& result : together) threads.emplace_back([&] { result = walked(); });
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& result : together) EXPECT_EQ(result, alone);  // bit for bit
+}
+
+TEST(PhysxProcess, AForkIsRefusedAndTheParentGoesOn) {
+  const auto world = find("physx")->make(scenes::world_of(scenes::sled()));
+  const Snapshot saved = world->save();
+  const pid_t child = fork();
+  if (child == 0) {
+    int refused = 0;
+    const auto count = [&](const auto& action) {
+      try {
+        action();
+      } catch (const ConfigError& error) {
+        refused += std::string(error.what()).find("a fork of it") != std::string::npos ? 1 : 0;
+      }
+    };
+    count([&] {
+      if (world->step({}) != StepStatus::kOk) throw_if_lost(*world);
+    });
+    count([&] { world->reset(); });
+    count([&] { world->restore(saved); });
+    count([] { find("physx")->make(scenes::world_of(scenes::sled())); });
+    _exit(refused);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(WEXITSTATUS(status), 4);
+  EXPECT_EQ(world->step({}), StepStatus::kOk);
 }
 
 }  // namespace

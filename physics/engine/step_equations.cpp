@@ -1,0 +1,157 @@
+#include "physics/engine/step_equations.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace crossgait {
+namespace {
+
+Matrix3 cross_matrix(const Vector3& a) {
+  Matrix3 m;
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
+
+// How bodies accelerate where u' is zero: the point of the joint, and the turning.
+struct Drift {
+  Vector3 a, alpha;
+};
+
+}  // namespace
+
+StepEquations::StepEquations(const WorldSpec& spec, double margin)
+    : spec_(spec), margin_(margin), features_(contact_features(*spec.robot, spec.fixed_base)) {
+  const RobotDescription& robot = *spec.robot;
+  const std::vector<double> bodies = translational_inverse_weights(robot, spec.fixed_base);
+  for (const LoopClosure& loop : robot.loops)
+    of_loops_.push_back(law_of(robot.loop_softness, bodies[static_cast<std::size_t>(loop.body_a)] +
+                                                        bodies[static_cast<std::size_t>(loop.body_b)]));
+  const JointVector joints = joint_inverse_weights(robot, spec.fixed_base);
+  for (const JointCoupling& coupling : robot.couplings)
+    of_couplings_.push_back(law_of(coupling.softness, joints[coupling.follower] + joints[coupling.leader]));
+}
+
+StepEquations::Law StepEquations::law_of(const Softness& soft, double inverse_weight) const {
+  const double time_constant = time_constant_in_steps(soft.time_constant, spec_.physics_dt);
+  return {soft, 1 / std::pow(soft.impedance_max * time_constant * soft.damping_ratio, 2),
+          2 / (soft.impedance_max * time_constant), inverse_weight};
+}
+
+// Rises from its least to its greatest value over impedance_width, as two powers that meet at the midpoint;
+// within MuJoCo's bounds.
+double StepEquations::Law::impedance(double violation) const noexcept {
+  const double x = std::min(std::abs(violation) / soft.impedance_width, 1.0);
+  const double p = soft.impedance_power, middle = soft.impedance_midpoint;
+  const double y = x <= middle ? std::pow(x, p) / std::pow(middle, p - 1)
+                               : 1 - std::pow(1 - x, p) / std::pow(1 - middle, p - 1);
+  return std::clamp(soft.impedance_min + y * (soft.impedance_max - soft.impedance_min), 1e-4, 0.9999);
+}
+
+// Rows of the point's velocity and of the turning; the base's velocity is that of its centre of mass.
+Eigen::MatrixXd StepEquations::full_jacobian(int body, const Vector3& p_WP) const {
+  const Pose& X_WB = poses_[static_cast<std::size_t>(body)];
+  Eigen::MatrixXd J = point_jacobian(*spec_.robot, poses_, body, X_WB.inverse() * p_WP);
+  const Vector3 p_BC_W = poses_[0].linear() * spec_.robot->bodies[0].inertia.p_BC;
+  J.middleCols<3>(3) += J.leftCols<3>() * cross_matrix(p_BC_W);  // v_WB = v_WC - w x p_BC
+  return J;
+}
+
+Eigen::MatrixXd StepEquations::jacobian(int body, const Vector3& p_WP) const {
+  return full_jacobian(body, p_WP).topRows<3>();
+}
+
+void StepEquations::update(const RobotState& state) {
+  const RobotDescription& robot = *spec_.robot;
+  forward_kinematics(robot, state, poses_);
+  forward_velocities(robot, state, poses_, velocities_);
+  const Eigen::Index size = 6 + robot.joint_count();
+  u_.resize(size);
+  u_ << state.v_WB + state.w_WB.cross(poses_[0].linear() * robot.bodies[0].inertia.p_BC), state.w_WB,
+      state.qd;
+  M_.setZero(size, size);
+  A_.setZero(size, size);
+  bias_.setZero(size);
+  b_.setZero(size);
+  add_bodies(state);
+  add_loops(state.q);
+  find_points();
+}
+
+void StepEquations::add_bodies(const RobotState& state) {
+  const RobotDescription& robot = *spec_.robot;
+  std::vector<Drift> drifts(robot.bodies.size());
+  for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
+    const Body& body = robot.bodies[i];
+    const SpatialInertia& inertia = body.inertia;
+    const Vector3 w = velocities_[i].w, way_C = poses_[i].linear() * inertia.p_BC;
+    if (i == 0) {
+      drifts[0] = {-w.cross(w.cross(way_C)), Vector3::Zero()};  // its centre of mass does not accelerate
+    } else {
+      const auto parent = static_cast<std::size_t>(body.parent);
+      const Vector3 way = poses_[i].translation() - poses_[parent].translation(), w_P = velocities_[parent].w;
+      const double rate = state.qd[static_cast<Eigen::Index>(i) - 1];
+      drifts[i].a = drifts[parent].a + drifts[parent].alpha.cross(way) + w_P.cross(w_P.cross(way));
+      drifts[i].alpha = drifts[parent].alpha + w_P.cross(poses_[i].linear() * body.joint.axis) * rate;
+    }
+    const Vector3 a_C = drifts[i].a + drifts[i].alpha.cross(way_C) + w.cross(w.cross(way_C));
+    const Matrix3 I_W = poses_[i].linear() * inertia.I_C * poses_[i].linear().transpose();
+    const Eigen::MatrixXd J = full_jacobian(static_cast<int>(i), poses_[i].translation() + way_C);
+    const auto J_v = J.topRows<3>(), J_w = J.bottomRows<3>();
+    M_.noalias() += inertia.mass * J_v.transpose() * J_v + J_w.transpose() * I_W * J_w;
+    bias_.noalias() += J_v.transpose() * (inertia.mass * (a_C - spec_.gravity)) +
+                       J_w.transpose() * (I_W * drifts[i].alpha + w.cross(I_W * w));
+    if (i > 0) M_(static_cast<Eigen::Index>(i) + 5, static_cast<Eigen::Index>(i) + 5) += body.joint.armature;
+  }
+}
+
+void StepEquations::add_soft_row(const Law& law, const Eigen::MatrixXd& J, const Eigen::VectorXd& gap) {
+  const double imp = law.impedance(gap.norm()), R = (1 - imp) / imp * law.inverse_weight;
+  if (!(R > 0)) return;  // nothing of it can move
+  const Eigen::VectorXd speed = J * u_;
+  const Eigen::VectorXd wanted = speed - spec_.physics_dt * (law.damping * speed + law.stiffness * imp * gap);
+  A_.noalias() += J.transpose() * J / R;
+  b_.noalias() += J.transpose() * wanted / R;
+}
+
+void StepEquations::add_loops(const JointVector& q) {
+  const RobotDescription& robot = *spec_.robot;
+  for (std::size_t i = 0; i < of_loops_.size(); ++i) {
+    const LoopClosure& loop = robot.loops[i];
+    const Vector3 p_WA = poses_[static_cast<std::size_t>(loop.body_a)] * loop.p_AP,
+                  p_WB = poses_[static_cast<std::size_t>(loop.body_b)] * loop.p_BP;
+    add_soft_row(of_loops_[i], jacobian(loop.body_a, p_WA) - jacobian(loop.body_b, p_WB), p_WA - p_WB);
+  }
+  for (std::size_t i = 0; i < of_couplings_.size(); ++i) {
+    const JointCoupling& coupling = robot.couplings[i];
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(1, u_.size());
+    J(0, 6 + coupling.follower) = 1;
+    J(0, 6 + coupling.leader) = -coupling.slope_at(q[coupling.leader]);
+    const double gap = q[coupling.follower] - coupling.follower_at(q[coupling.leader]);
+    add_soft_row(of_couplings_[i], J, Eigen::VectorXd::Constant(1, gap));
+  }
+}
+
+// docs/adding-an-engine.md, "Contact": below the ground as touch_sphere has them, above it to the margin.
+void StepEquations::find_points() {
+  points_.clear();
+  for (const ContactFeature& feature : features_) {
+    const Body& body = spec_.robot->bodies[static_cast<std::size_t>(feature.body)];
+    const Pose X_WG = poses_[static_cast<std::size_t>(feature.body)] *
+                      body.shapes[static_cast<std::size_t>(feature.shape)].X_BG;
+    const SphereCentres centres =
+        sphere_centres(feature, X_WG * feature.p_GC, X_WG.linear() * feature.axis_G, spec_.terrain, margin_);
+    for (int i = 0; i < centres.count; ++i) {
+      const Vector3& centre = centres.points[static_cast<std::size_t>(i)];
+      SphereContact touch;
+      if (spec_.terrain.touch_sphere(centre, feature.radius, touch)) {
+        points_.add({feature.body, feature.leg, touch.position, touch.normal, touch.distance});
+      } else if (spec_.terrain.touch_sphere(centre, feature.radius + margin_, touch)) {
+        const double distance = touch.distance + margin_;
+        points_.add({feature.body, feature.leg, centre - (feature.radius + distance / 2) * touch.normal,
+                     touch.normal, distance});
+      }
+    }
+  }
+}
+
+}  // namespace crossgait
