@@ -134,6 +134,10 @@ std::vector<std::string> notes_on(const LoadedEnv& environment) {
   const EnvConfig& config = environment.config;
   RobotDescription robot = *environment.robot;
   config.servos.apply(robot, config.source);
+  for (Body& body : robot.bodies) {  // whose torques are computed in every step: no gains that could swing
+    if (config.action == ActionKind::kJoints && config.joints.computes_torque(body.joint.name))
+      body.joint.kp = body.joint.kd = 0;
+  }
   std::vector<std::string> notes =
       step_warnings(robot, resolve_contact(robot.contact, config.contact, config.source), config.physics_dt);
   if (config.action == ActionKind::kJoints) return notes;

@@ -57,9 +57,12 @@ void validate_joints(const EnvConfig& c, std::string_view source) {
           fmt::format("a limit in (0, {:g}]", kLargestAction), j.limit);
   if (j.delay != 0) require_delay(source, "joints.delay", j.delay, c.control_dt);
   require(j.filter > 0 && j.filter <= 1, source, "joints.filter", "a share in (0, 1]", j.filter);
-  if (j.command == JointCommand::kTorque)
+  if (j.commands_torques())
     require(c.control_dt == c.physics_dt, source, "control_dt",
-            fmt::format("physics_dt, {:g} s, with joints.command: torque", c.physics_dt), c.control_dt);
+            fmt::format("physics_dt, {:g} s, where servos are made to give torques (joints.command: torque, "
+                        "velocity; joints.actuator)",
+                        c.physics_dt),
+            c.control_dt);
   if (c.randomisation.is_on(Randomised::kStartPhase))
     throw ConfigError(source, "start_phase", "action: gait, whose clock it sets", "action: joints");
 }
@@ -164,6 +167,11 @@ void EnvConfig::validate(std::string_view origin) const {
   for (std::size_t i = 0; i < reward.size(); ++i)
     require(std::isfinite(reward[i]), origin, reward_terms()[i].name, "a finite weight", reward[i]);
   randomisation.validate();
+  start.validate(origin);
+  const bool stands = start == StartSettings() && !randomises_start(randomisation);
+  require(stands || settle_seconds == 0, origin, "settle_seconds",
+          "0 s where an episode begins otherwise than standing (start), which settling would end",
+          settle_seconds);
 }
 
 EnvConfig guide_environment() {

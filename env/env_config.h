@@ -11,6 +11,7 @@
 #include "env/observation.h"
 #include "env/randomisation.h"
 #include "env/reward.h"
+#include "env/start_settings.h"
 #include "gait/gait.h"
 #include "motion/outcome.h"
 #include "physics/core/error.h"
@@ -60,6 +61,7 @@ struct EnvConfig {
   double tilt_limit_deg = 60;   ///< roll or pitch beyond it is a fall
   OutcomeSet terminations =
       OutcomeSet::of_episodes();  ///< outcomes that end an episode; divergence always does
+  StartSettings start;            ///< how an episode begins where not standing
   Randomisation randomisation;
 
   /// Terms of the program's own, or null. YAML names them under `terms`, and cannot be read back.

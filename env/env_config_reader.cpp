@@ -5,9 +5,8 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include "env/env_config.h"
+#include "env/env_config_yaml.h"
 #include "physics/core/error.h"
 #include "physics/core/yaml_reader.h"
 #include "physics/robot_files/data_path.h"
@@ -15,6 +14,14 @@
 
 namespace crossgait {
 namespace {
+
+using env_yaml::read;
+using env_yaml::read_choice;
+using env_yaml::read_joints;
+using env_yaml::read_names;
+using env_yaml::read_numbers;
+using env_yaml::read_servos;
+using env_yaml::resolved;
 
 // Reports a bad name or value of a table at the line of the file where it stands.
 template <typename Function>
@@ -47,22 +54,6 @@ auto named(const YamlValue& value, Function&& find) {
   }
 }
 
-void read(const YamlValue& root, std::string_view key, double& value) {
-  if (const auto found = root.find(key)) value = found->number();
-}
-void read(const YamlValue& root, std::string_view key, bool& value) {
-  if (const auto found = root.find(key)) value = found->boolean();
-}
-void read(const YamlValue& root, std::string_view key, std::string& value) {
-  if (const auto found = root.find(key)) value = found->text();
-}
-
-std::vector<std::string> read_names(const YamlValue& list) {
-  std::vector<std::string> names;
-  for (const YamlValue& item : list.items()) names.push_back(item.text());
-  return names;
-}
-
 Range read_range(const YamlValue& value) {
   const std::vector<YamlValue> ends = value.items();
   if (ends.size() != 2) value.fail("[min, max]", fmt::format("{} values", ends.size()));
@@ -87,49 +78,6 @@ void read_ranges(const YamlValue& root, EnvConfig& config) {
       check(value, {config.adaptation.ranges, {{name, value.number()}}});
     }
   }
-}
-
-ServoNumbers read_servo_numbers(const YamlValue& value) {
-  ServoNumbers numbers;
-  if (!value.is_mapping()) {
-    numbers.all = value.number();
-  } else {
-    for (const auto& [joint, number] : value.entries()) {
-      if (joint == kAllServos) {
-        numbers.all = number.number();
-      } else {
-        numbers.by_name[joint] = number.number();
-      }
-    }
-  }
-  return numbers;
-}
-
-void read(const YamlValue& root, std::string_view key, ServoNumbers& numbers) {
-  if (const auto found = root.find(key)) numbers = read_servo_numbers(*found);
-}
-
-std::vector<double> read_numbers(const YamlValue& list) {
-  std::vector<double> numbers;
-  for (const YamlValue& item : list.items()) numbers.push_back(item.number());
-  return numbers;
-}
-
-// One of a few values by its name.
-template <typename Choice>
-void read_choice(const YamlValue& mapping, std::string_view key, Choice& choice,
-                 std::initializer_list<Choice> known) {
-  const auto found = mapping.find(key);
-  if (!found) return;
-  std::vector<std::string_view> names;
-  for (const Choice one : known) {
-    if (found->text() == name(one)) {
-      choice = one;
-      return;
-    }
-    names.push_back(name(one));
-  }
-  found->fail(fmt::format("one of {}", fmt::join(names, ", ")), fmt::format("'{}'", found->text()));
 }
 
 void read_history(const YamlValue& root, HistorySettings& history) {
@@ -158,44 +106,6 @@ void read_observing(const YamlValue& root, ObservationSettings& settings) {
     read(*scan, "x_first", settings.height_scan.x_first);
   }
   if (const auto constants = root.find("constants")) settings.constants = read_numbers(*constants);
-}
-
-void read_servos(const YamlValue& root, EnvConfig& config) {
-  const auto servos = root.find("servos");
-  if (!servos) return;
-  servos->allow_keys(
-      joint_number_names({JointNumberOf::kServo, JointNumberOf::kJoint, JointNumberOf::kDrive}));
-  for (std::size_t i = 0; i < kJointNumbers.size(); ++i)
-    read(*servos, kJointNumbers[i].name, config.servos.numbers[i]);
-}
-
-// What says nothing where actions command joints, and what only says something there.
-constexpr std::array kGaitKeys{"gait",         "parameters",     "adapt",       "ranges",
-                               "delta_scales", "residual_scale", "heading_hold"};
-
-void read_joints(const YamlValue& root, EnvConfig& config) {
-  const auto joints = root.find("joints");
-  if (config.action == ActionKind::kGait) {
-    if (joints) joints->fail("this key with action: joints alone", "action: gait");
-    return;
-  }
-  for (const char* key : kGaitKeys) {
-    if (const auto value = root.find(key)) value->fail("this key with action: gait alone", "action: joints");
-  }
-  if (!joints) return;
-  joints->allow_keys(
-      {"order", "command", "home", "offset", "scale", "lower", "upper", "limit", "delay", "filter"});
-  if (const auto order = joints->find("order")) config.joints.order = read_names(*order);
-  read_choice(*joints, "command", config.joints.command,
-              {JointCommand::kPosition, JointCommand::kRelative, JointCommand::kTorque});
-  read(*joints, "home", config.joints.home);
-  read(*joints, "offset", config.joints.offset);
-  read(*joints, "scale", config.joints.scale);
-  read(*joints, "lower", config.joints.lower);
-  read(*joints, "upper", config.joints.upper);
-  read(*joints, "filter", config.joints.filter);
-  read(*joints, "limit", config.joints.limit);
-  read(*joints, "delay", config.joints.delay);
 }
 
 void read_gait(const YamlValue& root, EnvConfig& config) {
@@ -281,11 +191,15 @@ void read_tables(const YamlValue& root, EnvConfig& config) {
   }
 }
 
-// A file from the folder of the file that names it; anything else as it is.
-std::string resolved(const std::string& text, const std::string& from, bool is_file) {
-  const std::filesystem::path path(text);
-  if (!is_file || path.is_absolute()) return text;
-  return (std::filesystem::path(from).parent_path() / path).lexically_normal().string();
+void read_start(const YamlValue& root, StartSettings& start) {
+  const auto found = root.find("start");
+  if (!found) return;
+  found->allow_keys({"height", "velocity", "angular_velocity", "joint_offsets", "joint_velocities"});
+  if (const auto height = found->find("height")) start.height = height->number();
+  read(*found, "velocity", start.velocity);
+  read(*found, "angular_velocity", start.angular_velocity);
+  read(*found, "joint_offsets", start.joint_offsets);
+  read(*found, "joint_velocities", start.joint_velocities);
 }
 
 // `friction` alone, or among the other settings.
@@ -345,7 +259,7 @@ EnvConfig read_onto(EnvConfig config, const YamlValue& root) {
                    "residual_scale", "command",      "heading_hold",  "observation",     "reward",
                    "physics_dt",     "control_dt",   "policy_dt",     "episode_seconds", "settle_seconds",
                    "tilt_limit_deg", "terminations", "randomisation", "history",         "clock",
-                   "height_scan",    "constants"});
+                   "height_scan",    "constants",    "start"});
   config.source = root.source();
   read_world(root, config);
   read_servos(root, config);
@@ -353,6 +267,7 @@ EnvConfig read_onto(EnvConfig config, const YamlValue& root) {
   read_gait(root, config);
   read_command(root, config);
   read_tables(root, config);
+  read_start(root, config.start);
   read(root, "physics_dt", config.physics_dt);
   read(root, "control_dt", config.control_dt);
   read(root, "policy_dt", config.policy_dt);

@@ -49,7 +49,14 @@ Json joints_json(const JointActionSettings& joints) {
   if (!joints.order.empty()) out["order"] = joints.order;
   // Stored runs are found by this text: what was added later is only written where it says something.
   const JointActionSettings plain;
-  if (joints.command != plain.command) out["command"] = name(joints.command);
+  if (!joints.observed.empty()) out["observed"] = joints.observed;
+  if (!joints.commands.empty()) {
+    Json& commands = out["command"] = {{std::string(kAllServos), name(joints.command)}};
+    for (const auto& [joint, command] : joints.commands) commands[joint] = name(command);
+  } else if (joints.command != plain.command) {
+    out["command"] = name(joints.command);
+  }
+  if (!joints.actuator.empty()) out["actuator"] = whole_path(joints.actuator, true);
   add(out, "home", joints.home);
   add(out, "offset", joints.offset);
   add(out, "scale", joints.scale);
@@ -75,6 +82,18 @@ void add_observing(Json& out, const ObservationSettings& s) {
                           {"offset", s.height_scan.offset},
                           {"x_first", s.height_scan.x_first}};
   if (!s.constants.empty()) out["constants"] = s.constants;
+}
+
+Json vector_json(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json start_json(const StartSettings& start) {
+  Json out;
+  if (start.height) out["height"] = *start.height;
+  if (!start.velocity.isZero(0)) out["velocity"] = vector_json(start.velocity);
+  if (!start.angular_velocity.isZero(0)) out["angular_velocity"] = vector_json(start.angular_velocity);
+  add(out, "joint_offsets", start.joint_offsets);
+  add(out, "joint_velocities", start.joint_velocities);
+  return out;
 }
 
 Json parameters_json(const GaitSettings& settings) {
@@ -207,6 +226,7 @@ Json to_json(const EnvConfig& c) {
   out["settle_seconds"] = c.settle_seconds;
   out["tilt_limit_deg"] = c.tilt_limit_deg;
   out["terminations"] = outcome_names(c.terminations);
+  add(out, "start", start_json(c.start));
   add(out, "randomisation", randomisation_json(c.randomisation));
   if (c.extension != nullptr) out["terms"] = c.extension->terms;
   return out;

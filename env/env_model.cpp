@@ -1,5 +1,7 @@
 #include "env/env_model.h"
 
+#include <algorithm>
+
 #include "motion/gait_source.h"
 #include "motion/time_steps.h"
 #include "physics/robot/drives.h"
@@ -42,19 +44,34 @@ void describe_gait(EnvModel& model) {
   const AdaptiveGaitController controller = model.make_controller();
   model.interface.action = action_layout(controller.adapted());
   model.interface.adaptation = model.adaptation;
-  model.observer = make_observer(model, {.actuated_joints = names_of(model.joints.servos, *model.world.robot),
-                                         .home = model.joints.home,
+  model.observer = make_observer(model, {.joints = names_of(model.joints.observed, *model.world.robot),
+                                         .home = model.joints.observed_home,
                                          .parameters = controller.adapted(),
                                          .action = model.interface.action,
                                          .initial = model.parameters,
                                          .settings = model.config.observing});
 }
 
+// Joints without servos have no targets to be seen, and a network counts time in the steps of its training.
+void check_joints(const EnvModel& model) {
+  const EnvConfig& c = model.config;
+  const std::vector<Eigen::Index>& slots = model.joints.observed_slots;
+  const bool targets = std::any_of(c.observation.begin(), c.observation.end(),
+                                   [](const ObservationTerm& term) { return term.block == "joint_targets"; });
+  if (const auto passive = std::find(slots.begin(), slots.end(), -1); targets && passive != slots.end()) {
+    const auto joint = model.joints.observed[static_cast<std::size_t>(passive - slots.begin())];
+    throw ConfigError(c.source, "observation", "joints.observed of servos alone, beside joint_targets",
+                      model.world.robot->joint(joint).name);
+  }
+  if (model.actuator != nullptr) model.actuator->check_step(c.physics_dt, c.source);
+}
+
 void describe_joints(EnvModel& model) {
+  check_joints(model);
   const std::vector<std::string> names = names_of(model.joints.servos, *model.world.robot);
   model.interface.action = joint_action_layout(names, model.joints, model.config.joints.limit);
-  model.observer = make_observer(model, {.actuated_joints = names,
-                                         .home = model.joints.home,
+  model.observer = make_observer(model, {.joints = names_of(model.joints.observed, *model.world.robot),
+                                         .home = model.joints.observed_home,
                                          .parameters = {},
                                          .action = model.interface.action,
                                          .settings = model.config.observing});
@@ -78,6 +95,7 @@ std::shared_ptr<const EnvModel> EnvModel::make(const LoadedEnv& loaded) {
       .heading_hold = config.heading_hold ? scaled(HeadingHold(), scale) : HeadingHold::none(),
       .size = scale.length,
       .joints = JointActionTable::make(config.joints, *world.robot, config.source),
+      .actuator = loaded.actuator,
       .interface = {.observation = {}, .action = {}, .policy_dt = config.policy_dt},
       .observer = {},
       .foot_kinematics = FootKinematics(*world.robot),
@@ -101,7 +119,7 @@ std::shared_ptr<const EnvModel> EnvModel::make(const LoadedEnv& loaded) {
 }
 
 LoadedEnv EnvModel::loaded() const {
-  LoadedEnv own(config, robot);
+  LoadedEnv own(config, robot, actuator);
   own.ground = ground;
   return own;
 }

@@ -22,7 +22,8 @@ struct EnvModel {
   double residual_scale = 0;    ///< m
   HeadingHold heading_hold;
   double size = 1;          ///< of the robot, in reference sizes (gait/scale.h)
-  JointActionTable joints;  ///< servos in the order of observations and joint actions, and their home
+  JointActionTable joints;  ///< servos in the order of joint actions, joints in that of observations
+  std::shared_ptr<const ActuatorNetwork> actuator;  ///< that makes torques of targets, or null
   PolicyInterface interface;
   Observer observer;  ///< before an episode
   FootKinematics foot_kinematics;

@@ -2,12 +2,8 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
-#include "ik/leg_kinematics.h"
 #include "motion/standing.h"
 #include "motion/time_steps.h"
-#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {
@@ -16,20 +12,12 @@ namespace {
 JointVector posture_at(const RobotDescription& robot, const JointActionTable& table) {
   JointVector q = robot.home;
   for (std::size_t i = 0; i < table.servos.size(); ++i) q[table.servos[i]] = table.home[i];
-  for (const Leg leg : kLegs) {
-    const LegKinematics kinematics = make_leg_kinematics(robot, leg);
-    if (kinematics.passive_count() == 0) continue;
-    ServoVector servos(kinematics.servo_count());
-    for (Eigen::Index k = 0; k < servos.size(); ++k)
-      servos[k] = q[kinematics.servo_joints()[static_cast<std::size_t>(k)]];
-    const LegForward forward = kinematics.forward(servos);
-    if (!forward.closed)
-      throw ConfigError(robot.source, fmt::format("joints.home of {}", name(leg)),
-                        "angles at which the chains of the leg meet", "others");
-    for (Eigen::Index k = 0; k < forward.passive.size(); ++k)
-      q[kinematics.passive_joints()[static_cast<std::size_t>(k)]] = forward.passive[k];
-  }
-  return q;
+  return with_legs_closed(robot, q, "joints.home");
+}
+
+// Of which an action gives the torque, or the velocity that the torque follows.
+bool is_rate(JointCommand command) noexcept {
+  return command == JointCommand::kTorque || command == JointCommand::kVelocity;
 }
 
 }  // namespace
@@ -38,7 +26,10 @@ JointControl::JointControl(const EnvModel& model)
     : robot_(model.world.robot),
       table_(model.joints),
       filter_(model.config.joints.filter),
-      standing_(posture_at(*robot_, model.joints)) {
+      computed_(model.config.joints.commands_torques()),
+      standing_(posture_at(*robot_, model.joints)),
+      network_(model.actuator) {
+  if (network_ != nullptr) memories_.resize(table_.servos.size(), network_->begin());
   wanted_.q.resize(static_cast<Eigen::Index>(robot_->actuated_joints().size()));
   by_torque_ = wanted_;
   const double delay = model.config.joints.delay;
@@ -48,20 +39,21 @@ JointControl::JointControl(const EnvModel& model)
 
 void JointControl::restart(const std::optional<VelocityCommand>& command) {
   command_ = command;
-  const bool torques = table_.command == JointCommand::kTorque;
   for (std::size_t i = 0; i < table_.slots.size(); ++i) {
-    wanted_.q[table_.slots[i]] = torques ? 0 : table_.home[i];
+    wanted_.q[table_.slots[i]] = is_rate(table_.commands[i]) ? 0 : table_.home[i];
     by_torque_.q[table_.slots[i]] = table_.home[i];
   }
+  for (ActuatorNetwork::Memory& memory : memories_) network_->restart(memory);
   std::fill(line_.begin(), line_.end(), wanted_);
   oldest_ = 0;
 }
 
 double JointControl::target(std::size_t i, double action, const RobotState& state) const noexcept {
   const double by_action = table_.scale[i] * action;
-  switch (table_.command) {
+  switch (table_.commands[i]) {
     case JointCommand::kTorque:
-      return by_action;
+    case JointCommand::kVelocity:
+      return std::clamp(by_action, table_.lower[i], table_.upper[i]);
     case JointCommand::kRelative:
       return std::clamp(state.q[table_.servos[i]] + by_action, table_.lower[i], table_.upper[i]);
     case JointCommand::kPosition:
@@ -81,13 +73,22 @@ void JointControl::apply(std::span<const double> action, const RobotState& state
 // A servo's torque is kp (target - q) - kd qd, of the state in which the step begins: the target at which
 // that is the wanted torque.
 void JointControl::observe(const RobotState& state, double /*dt*/) noexcept {
-  if (table_.command != JointCommand::kTorque) return;
-  const JointTargets& torques = line_.empty() ? wanted_ : line_[oldest_];
+  if (!computed_) return;
+  const JointTargets& asked = line_.empty() ? wanted_ : line_[oldest_];
   for (std::size_t i = 0; i < table_.slots.size(); ++i) {
     const int servo = table_.servos[i];
     const Joint& gains = robot_->joint(servo);
-    by_torque_.q[table_.slots[i]] =
-        state.q[servo] + (torques.q[table_.slots[i]] + gains.kd * state.qd[servo]) / gains.kp;
+    const double q = state.q[servo], qd = state.qd[servo], wanted = asked.q[table_.slots[i]];
+    double& target = by_torque_.q[table_.slots[i]];
+    if (table_.commands[i] == JointCommand::kTorque) {
+      target = q + (wanted + gains.kd * qd) / gains.kp;
+    } else if (table_.commands[i] == JointCommand::kVelocity) {
+      target = q + gains.kd * wanted / gains.kp;
+    } else if (network_ != nullptr) {
+      target = q + (network_->torque(wanted - q, qd, memories_[i]) + gains.kd * qd) / gains.kp;
+    } else {
+      target = wanted;
+    }
   }
 }
 
@@ -96,8 +97,7 @@ RobotState JointControl::initial_state(const Terrain& terrain, const Placement& 
 }
 
 void JointControl::hold_pose(double /*dt*/, ControlTargets& out) noexcept {
-  const bool torques = table_.command == JointCommand::kTorque;
-  out.joints = torques ? by_torque_ : line_.empty() ? wanted_ : line_[oldest_];
+  out.joints = computed_ ? by_torque_ : line_.empty() ? wanted_ : line_[oldest_];
 }
 
 void JointControl::advance(double dt, ControlTargets& out) noexcept {

@@ -35,12 +35,15 @@ class JointControl final : public Controller {
   std::shared_ptr<const RobotDescription> robot_;
   JointActionTable table_;
   double filter_ = 1;
+  bool computed_ = false;           // targets are made in every control step, of torques
   JointVector standing_;            // all joints at home, rad
-  JointTargets wanted_;             // by the last action; of torques those torques, N m
+  JointTargets wanted_;             // by the last action; those torques, N m, or velocities, rad/s
   JointTargets by_torque_;          // targets at which servos give the torques of this control step
   std::vector<JointTargets> line_;  // wanted in the last control steps, as many as the delay has
   std::size_t oldest_ = 0;
   std::optional<VelocityCommand> command_;
+  std::shared_ptr<const ActuatorNetwork> network_;  // or null
+  std::vector<ActuatorNetwork::Memory> memories_;   // of each servo
 };
 
 }  // namespace crossgait

@@ -5,6 +5,7 @@
 
 #include "env/env_config.h"
 #include "physics/terrain/terrain_source.h"
+#include "policy/actuator_network.h"
 
 namespace crossgait {
 
@@ -14,13 +15,16 @@ struct LoadedEnv {
   EnvConfig config;
   std::shared_ptr<const RobotDescription> robot;  ///< as its file has it; `config.servos` come on top
   TerrainSource ground;
+  std::shared_ptr<const ActuatorNetwork> actuator;  ///< that `config.joints.actuator` names, or null
 
   /// Reads the robot; the ground follows when it is first made. Not explicit: a configuration may stand
   /// wherever one that is read is asked for. @throws ConfigError for a configuration that is not valid, or a
   /// robot that cannot be read
   LoadedEnv(const EnvConfig& environment);
-  /// Takes a robot that has been read from where `environment.robot` says.
-  LoadedEnv(EnvConfig environment, std::shared_ptr<const RobotDescription> read);
+  /// Takes a robot that has been read from where `environment.robot` says, and a network of its actuators if
+  /// that has been. @throws ConfigError for a network that cannot be read
+  LoadedEnv(EnvConfig environment, std::shared_ptr<const RobotDescription> read,
+            std::shared_ptr<const ActuatorNetwork> network = nullptr);
 
   /// Returns other settings of the environment: what they name by another text is read, and nothing else.
   /// @throws ConfigError

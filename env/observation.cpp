@@ -47,8 +47,7 @@ void add_vector(Layout& layout, std::string_view name, const Unit& unit) {
   for (const std::string_view axis : kAxes) add(layout, fmt::format("{}.{}", name, axis), unit);
 }
 void add_joints(const Context& context, Layout& layout, std::string_view quantity, const Unit& unit) {
-  for (const std::string& joint : context.actuated_joints)
-    add(layout, fmt::format("{}.{}", quantity, joint), unit);
+  for (const std::string& joint : context.joints) add(layout, fmt::format("{}.{}", quantity, joint), unit);
 }
 void add_feet(Layout& layout, std::string_view quantity, const Unit& unit) {
   for (const Leg leg : kLegs) add_vector(layout, fmt::format("{}.{}", quantity, name(leg)), unit);
@@ -170,12 +169,12 @@ constexpr std::array kBlocks{
     ObservationBlock{"base_angular_velocity", "of the base in W", true,
                      [](const Context&, Layout& l) { add_vector(l, "w_WB", kRadiansPerSecond); },
                      [](const Source& s, double*& out) { put(out, state(s).w_WB); }},
-    ObservationBlock{"joint_positions", "of the servos", true,
+    ObservationBlock{"joint_positions", "of the joints that are seen", true,
                      [](const Context& c, Layout& l) { add_joints(c, l, "q", kRadians); },
-                     [](const Source& s, double*& out) { put(out, state(s).q, s.servos); }},
-    ObservationBlock{"joint_velocities", "of the servos", true,
+                     [](const Source& s, double*& out) { put(out, state(s).q, s.joints); }},
+    ObservationBlock{"joint_velocities", "of the joints that are seen", true,
                      [](const Context& c, Layout& l) { add_joints(c, l, "qd", kRadiansPerSecond); },
-                     [](const Source& s, double*& out) { put(out, state(s).qd, s.servos); }},
+                     [](const Source& s, double*& out) { put(out, state(s).qd, s.joints); }},
     ObservationBlock{"foot_positions", "of the feet's centres in W", true,
                      [](const Context&, Layout& l) { add_feet(l, "p_WF", kMetres); },
                      [](const Source& s, double*& out) {
@@ -259,16 +258,16 @@ constexpr std::array kBlocks{
                      [](const Source& s, double*& out) {
                        for (const double value : s.last_action) put(out, value);
                      }},
-    ObservationBlock{"joint_offsets", "of the servos from home", false,
+    ObservationBlock{"joint_offsets", "of the joints that are seen, from home", false,
                      [](const Context& c, Layout& l) {
                        for (std::size_t i = 0; i < c.home.size(); ++i)
-                         l.entries.push_back({fmt::format("dq.{}", c.actuated_joints[i]),
+                         l.entries.push_back({fmt::format("dq.{}", c.joints[i]),
                                               measured_from(kRadians.name, c.home[i]), -kInfinite, kInfinite,
                                               kRadians.reach});
                      },
                      [](const Source& s, double*& out) {
                        for (std::size_t i = 0; i < s.home.size(); ++i)
-                         put(out, state(s).q[s.servos[i]] - s.home[i]);
+                         put(out, state(s).q[s.joints[i]] - s.home[i]);
                      }},
     ObservationBlock{"joint_targets", "targets that the servos follow", false,
                      [](const Context& c, Layout& l) { add_joints(c, l, "target", kRadians); },

@@ -24,18 +24,18 @@ struct ObservationSource {
   const LegArray<FootContact>& contacts;
   const AdaptiveGaitController* gait;  ///< null where actions command joints
   const VelocityCommand& command;
-  std::span<const int> servos;          ///< indices of the actuated joints, in the observation's order
+  std::span<const int> joints;          ///< indices of those that are seen, in their order
   std::span<const double> home;         ///< their home angles, rad
   std::span<const double> last_action;  ///< clipped, as it was applied
   const JointTargets& targets;          ///< of the last control step
-  std::span<const Eigen::Index> slots;  ///< of `servos` in targets
+  std::span<const Eigen::Index> slots;  ///< of `joints` in targets
   const ObservationSettings& settings;
   double time = 0;  ///< since the episode began, s
 };
 
 /// Holds what the layout of a block depends on.
 struct ObservationContext {
-  std::vector<std::string> actuated_joints;  ///< names
+  std::vector<std::string> joints;           ///< names of those that are seen, in their order
   std::span<const double> home;              ///< their home angles, rad
   std::span<const ParameterRow> parameters;  ///< that adapt
   Layout action;

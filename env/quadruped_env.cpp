@@ -104,8 +104,15 @@ WorldSpec QuadrupedEnv::draw_world() {
 
 Start QuadrupedEnv::draw_start() const {
   const RandomDraw& draw = episode_.draw;
-  return {placement_of(draw), draw[Randomised::kStartPhase] * model_->parameters.cycle_time,
-          pushes_of(config().randomisation, draw, episode_.random)};
+  Start start{placement_of(draw), draw[Randomised::kStartPhase] * model_->parameters.cycle_time,
+              pushes_of(config().randomisation, draw, episode_.random)};
+  if (config().start != StartSettings() || randomises_start(config().randomisation)) {
+    const Terrain& terrain = world_->spec().terrain;
+    const RobotState standing = watched_.initial_state(terrain, start.placement);
+    start.state = start_state(config().start, config().randomisation, draw, *model_->world.robot, terrain,
+                              start.placement, standing);
+  }
+  return start;
 }
 
 void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
@@ -264,11 +271,11 @@ ObservationSource QuadrupedEnv::seen() const noexcept {
           e.info.contacts,
           gait(),
           e.command,
-          model_->joints.servos,
-          model_->joints.home,
+          model_->joints.observed,
+          model_->joints.observed_home,
           e.action,
           e.loop.targets().joints,
-          model_->joints.slots,
+          model_->joints.observed_slots,
           config().observing,
           e.info.time};
 }

@@ -1,5 +1,6 @@
 #include "env/randomisation.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <memory>
@@ -41,6 +42,21 @@ constexpr std::array kRandomisationRows{
     RandomisationRow{kPushCount, "push_count", "-", "pushes at most, whole numbers; 0 for no limit", 0, 0,
                      1e6},
     RandomisationRow{kJointFriction, "joint_friction", "x", "scale of the joints' dry friction", 1, 0, 10},
+    RandomisationRow{kStartLift, "start_lift", "m", "start, above where the feet just touch", 0, 0, 10},
+    RandomisationRow{kStartVx, "start_vx", "m/s", "velocity at the start, ahead", 0, -20, 20},
+    RandomisationRow{kStartVy, "start_vy", "m/s", "velocity at the start, to the left", 0, -20, 20},
+    RandomisationRow{kStartVz, "start_vz", "m/s", "velocity at the start, upwards", 0, -20, 20},
+    RandomisationRow{kStartRollRate, "start_roll_rate", "rad/s", "turning at the start, about ahead", 0, -50,
+                     50},
+    RandomisationRow{kStartPitchRate, "start_pitch_rate", "rad/s", "turning at the start, about left", 0, -50,
+                     50},
+    RandomisationRow{kStartYawRate, "start_yaw_rate", "rad/s", "turning at the start, about up", 0, -50, 50},
+    RandomisationRow{kStartJointOffset, "start_joint_offset", "rad",
+                     "angle of every servo at the start from home, each its own", 0, -kPi, kPi},
+    RandomisationRow{kStartJointScale, "start_joint_scale", "x",
+                     "scale of every servo's home angle at the start, each its own", 1, 0, 10},
+    RandomisationRow{kStartJointVelocity, "start_joint_velocity", "rad/s",
+                     "velocity of every servo at the start, each its own", 0, -100, 100},
 };
 static_assert(
     [] {
@@ -116,6 +132,12 @@ RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept {
                            : range.min + (range.max - range.min) * u;
   }
   return result;
+}
+
+bool randomises_start(const Randomisation& randomisation) {
+  return std::any_of(
+      std::begin(kRandomisationRows), std::end(kRandomisationRows),
+      [&](const RandomisationRow& row) { return row.what >= kStartLift && randomisation.is_on(row.what); });
 }
 
 Placement placement_of(const RandomDraw& draw) noexcept {

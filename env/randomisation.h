@@ -31,6 +31,16 @@ enum class Randomised : std::size_t {
   kPushInterval,
   kPushCount,
   kJointFriction,
+  kStartLift,
+  kStartVx,
+  kStartVy,
+  kStartVz,
+  kStartRollRate,
+  kStartPitchRate,
+  kStartYawRate,
+  kStartJointOffset,
+  kStartJointScale,
+  kStartJointVelocity,
 };
 
 /// A row of the table describes what is drawn.
@@ -47,7 +57,7 @@ std::span<const RandomisationRow> randomisation_rows();
 const RandomisationRow& find_randomisation(std::string_view name);
 
 /// Number of rows in the enumeration, of which this is the last.
-inline constexpr std::size_t kRandomisations = static_cast<std::size_t>(Randomised::kJointFriction) + 1;
+inline constexpr std::size_t kRandomisations = static_cast<std::size_t>(Randomised::kStartJointVelocity) + 1;
 
 /// Holds a range per row; the neutral ones draw nothing.
 struct Randomisation {
@@ -75,6 +85,8 @@ struct RandomDraw {
 /// it was before they were in the table.
 RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept;
 
+/// Tells whether episodes begin otherwise than standing.
+bool randomises_start(const Randomisation& randomisation);
 /// Says where the draw puts the robot down.
 Placement placement_of(const RandomDraw& draw) noexcept;
 

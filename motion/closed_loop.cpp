@@ -29,7 +29,7 @@ void ClosedLoop::start(PhysicsBackend& world, Controller& controller, const Star
   steps_ = 0;
   ended_ = false;
   const RobotState standing = controller.initial_state(spec.terrain, start.placement);
-  world.reset(standing);
+  world.reset(start.state.value_or(standing));
 
   StepStatus status = StepStatus::kOk;
   const int settling = step_count(options_.settle_seconds, dt), leading = step_count(start.warm_up, dt);

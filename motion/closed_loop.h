@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "motion/controller.h"
 #include "motion/motion_statistics.h"
@@ -15,6 +16,8 @@ struct Start {
   Placement placement;
   double warm_up = 0;  ///< of the motion itself, after settling and before statistics begin, s
   Pushes pushes;       ///< times count from the beginning of the statistics
+  /// How the robot begins, in the place of standing; heights are measured from where it would stand.
+  std::optional<RobotState> state = std::nullopt;
 };
 
 /// Runs a motion as a value: a copy taken between two calls and used with a world that was saved and restored

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include <fmt/format.h>
+
+#include "ik/leg_kinematics.h"
+#include "physics/core/error.h"
 #include "physics/robot/multibody.h"
 
 namespace crossgait {
@@ -40,6 +44,23 @@ RobotState standing_on(const Terrain& terrain, const Placement& placement, const
   }
   state.p_WB.z() = height + kClearance;
   return state;
+}
+
+JointVector with_legs_closed(const RobotDescription& robot, JointVector q, std::string_view element) {
+  for (const Leg leg : kLegs) {
+    const LegKinematics kinematics = make_leg_kinematics(robot, leg);
+    if (kinematics.passive_count() == 0) continue;
+    ServoVector servos(kinematics.servo_count());
+    for (Eigen::Index k = 0; k < servos.size(); ++k)
+      servos[k] = q[kinematics.servo_joints()[static_cast<std::size_t>(k)]];
+    const LegForward forward = kinematics.forward(servos);
+    if (!forward.closed)
+      throw ConfigError(robot.source, fmt::format("{} of {}", element, name(leg)),
+                        "angles at which the chains of the leg meet", "others");
+    for (Eigen::Index k = 0; k < forward.passive.size(); ++k)
+      q[kinematics.passive_joints()[static_cast<std::size_t>(k)]] = forward.passive[k];
+  }
+  return q;
 }
 
 }  // namespace crossgait

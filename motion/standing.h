@@ -1,6 +1,8 @@
 // Where a robot's base has to be for its feet to touch the ground.
 #pragma once
 
+#include <string_view>
+
 #include "motion/controller.h"
 #include "physics/robot/robot.h"
 
@@ -10,5 +12,10 @@ namespace crossgait {
 /// below `terrain` and the nearest one just clear of it.
 RobotState standing_on(const Terrain& terrain, const Placement& placement, const RobotDescription& robot,
                        const JointVector& q);
+
+/// Returns joint angles (rad) with the joints of legs that no servo drives where the servos' `q` have them.
+/// @param element  what set the angles, for messages
+/// @throws ConfigError naming the robot's file and a leg whose chains cannot meet
+JointVector with_legs_closed(const RobotDescription& robot, JointVector q, std::string_view element);
 
 }  // namespace crossgait

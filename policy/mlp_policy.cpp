@@ -7,30 +7,9 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "policy/mlp_activation.h"
 
 namespace crossgait {
-namespace {
-
-void activate(MlpActivation activation, Eigen::VectorXf& values) noexcept {
-  auto x = values.array();
-  switch (activation) {
-    case MlpActivation::kTanh:
-      x = x.tanh();
-      break;
-    case MlpActivation::kElu:
-      x = x.max(0.0F) + (x.min(0.0F).exp() - 1.0F);
-      break;
-    case MlpActivation::kRelu:
-      x = x.max(0.0F);
-      break;
-    case MlpActivation::kSwish:
-      x = x / ((-x).exp() + 1.0F);
-      break;
-  }
-}
-
-}  // namespace
-
 MlpPolicy::MlpPolicy(const PolicyBundle& bundle, const std::string& source, const PolicyInterface& interface)
     : Policy(std::filesystem::path(source).filename(), interface),
       activation_(bundle.network.activation),

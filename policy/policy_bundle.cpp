@@ -25,6 +25,8 @@ double activate(MlpActivation activation, double x) {
       return x > 0 ? x : 0;
     case MlpActivation::kSwish:
       return x / (1 + std::exp(-x));
+    case MlpActivation::kSoftsign:
+      return x / (1 + std::abs(x));
   }
   return x;
 }

@@ -12,8 +12,8 @@
 
 namespace crossgait {
 
-/// Names activations; kSwish is x / (1 + exp(-x)), also called SiLU.
-enum class MlpActivation { kTanh, kElu, kRelu, kSwish };
+/// Names activations; kSwish is x / (1 + exp(-x)), also called SiLU; kSoftsign x / (1 + |x|).
+enum class MlpActivation { kTanh, kElu, kRelu, kSwish, kSoftsign };
 enum class MlpOutput { kLinear, kTanh };
 
 /// Computes y = weight x + bias.

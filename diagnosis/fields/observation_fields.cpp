@@ -12,9 +12,12 @@ namespace crossgait::fields {
 namespace {
 
 std::size_t size_of(const Context& context, const ObservationTerm& term) {
-  const ObservationContext blocks{
-      context.config.joints.order, context.model.joints.home, {}, context.model.interface.action, {},
-      context.config.observing};
+  std::vector<std::string> joints;
+  for (const int i : context.model.joints.observed)
+    joints.push_back(context.model.world.robot->joint(i).name);
+  const ObservationContext blocks{joints, context.model.joints.observed_home,
+                                  {},     context.model.interface.action,
+                                  {},     context.config.observing};
   Layout layout;
   find_observation_block(term.block).describe(blocks, layout);
   return layout.size();

@@ -72,6 +72,28 @@ class WithMemory(nn.Module):
         return self.actor(out[0]), h, c
 
 
+class RememberingDrive(nn.Module):
+    """As ETH's LSTM of an ANYmal's drives: (error, velocity) and its memory in, torque and memory out."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lstm, self.linear = nn.LSTM(2, 8, 2, batch_first=True), nn.Linear(8, 1)
+
+    def forward(
+        self, x: torch.Tensor, memory: tuple[torch.Tensor, torch.Tensor]
+    ) -> tuple[torch.Tensor, tuple[torch.Tensor, torch.Tensor]]:
+        out, memory = self.lstm(x, memory)
+        return self.linear(out[:, -1]), memory
+
+
+def actuator(path: Path, remembers: bool, activation: nn.Module | None = None) -> str:
+    """A network of a drive, as TorchScript."""
+    torch.manual_seed(6)
+    between = activation or nn.Softsign()
+    plain = nn.Sequential(nn.Linear(6, 32), between, nn.Linear(32, 32), between, nn.Linear(32, 1))
+    return export_script(RememberingDrive() if remembers else plain, path)
+
+
 def quietly(function: Callable[..., Any]) -> Callable[..., Any]:
     """Without what exporters say of themselves."""
 
@@ -241,6 +263,14 @@ commands:
   base_velocity:
     ranges: {lin_vel_x: !!python/tuple [0.0, 0.3], lin_vel_y: !!python/tuple [0.0, 0.0]}
 """
+#: As Isaac Lab writes the configuration of a perceptron on the past of two joint quantities.
+ACTUATOR_MLP = """\
+network_file: drive.pt
+        input_order: vel_pos
+        input_idx: [0, 2, 4]
+        pos_scale: -1.0
+        vel_scale: 0.1
+        torque_scale: 20.0"""
 ENV_YAML_OBSERVATIONS = 3 + 3 + 3 + 12 + 12 + 12 + 3 * 2
 
 AGENT_YAML = """\

@@ -207,7 +207,8 @@ def test_isaac_lab_env_yaml(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("actuator_pd:DCMotor", "actuator_net:ActuatorNetMLP", "expected one of ImplicitActuator.*ActuatorNetMLP"),
+        ("actuator_pd:DCMotor", "actuator_pd:RemotizedPDActuator", "expected one of ImplicitActuator.*RemotizedPD"),
+        ("actuator_pd:DCMotor", "actuator_net:ActuatorNetMLP", "legs.network_file: expected a value, found none"),
         ("mdp.actions.joint_actions:JointPositionAction", "x:BinaryJointAction", "class_type: expected one of Joint"),
         ("modifiers", "modifiers", ""),
     ],
@@ -221,6 +222,107 @@ def test_what_isaac_lab_has_and_crossgait_not(tmp_path, old, new, message):
     (tmp_path / "env.yaml").write_text(published.ENV_YAML.replace(old, new))
     with pytest.raises(ConfigError, match=message):
         crossgait.import_policy(file, ROBOT, tmp_path / "walk", tmp_path / "env.yaml")
+
+
+def imported_from(tmp_path, text, observations=51):
+    """A network of that size under that env.yaml."""
+    file = published.export_script(published.actor(observations), tmp_path / "policy.pt")
+    (tmp_path / "env.yaml").write_text(text)
+    return crossgait.import_policy(file, ROBOT, tmp_path / "walk", tmp_path / "env.yaml")
+
+
+def test_observed_joints_keep_the_articulations_order_whatever_actions_do(tmp_path):
+    names = "[" + ", ".join(JOINTS) + "]"
+    text = published.ENV_YAML.replace("joint_names: ['.*']\n    scale", f"joint_names: {names}\n    scale")
+    imported = imported_from(tmp_path, text.replace("preserve_order: false", "preserve_order: true"))
+    breadth_first = [f"{leg}_{part}" for part in ("abduction", "hip_pitch", "knee") for leg in ("FL", "FR", "RL", "RR")]
+    assert imported.environment["joints"]["order"] == list(JOINTS)
+    assert imported.environment["joints"]["observed"] == breadth_first
+    layout = crossgait.Policy.load(imported.folder, imported.environment_file).layout
+    assert layout.observation.names[9:13] == tuple(f"dq.{leg}_abduction" for leg in ("FL", "FR", "RL", "RR"))
+    assert layout.observation.names[33:36] == tuple(f"last.target.{joint}" for joint in JOINTS[:3])
+
+
+def test_terms_that_show_other_joints_say_so(tmp_path):
+    asset = "params: {asset_cfg: {name: robot, joint_names: [RR_knee, FL_knee], preserve_order: true}}"
+    terms = [f"observations:joint_{what}_rel, scale" for what in ("pos", "vel")]
+    text = published.ENV_YAML
+    for term in terms:
+        text = text.replace(term, term.replace(", scale", f", {asset}, scale"))
+    imported = imported_from(tmp_path, text, observations=published.ENV_YAML_OBSERVATIONS - 20)
+    assert imported.environment["joints"]["observed"] == ["RR_knee", "FL_knee"]
+    one = text.replace(f"joint_vel_rel, {asset}", "joint_vel_rel")
+    with pytest.raises(ConfigError, match=r"joints.observed: expected RR_knee, FL_knee, as env.yaml: line \d+"):
+        imported_from(tmp_path, one)
+
+
+SEVERAL_ACTIONS = """\
+actions:
+  legs:
+    class_type: isaaclab.envs.mdp.actions.joint_actions:JointPositionAction
+    joint_names: ['.*_abduction', '.*_hip_pitch']
+    scale: 0.25
+    use_default_offset: true
+  knees:
+    class_type: isaaclab.envs.mdp.actions.joint_actions:JointVelocityAction
+    joint_names: ['.*_knee']
+    scale: 5.0
+    offset: 0.0
+    clip: {'.*': !!python/tuple [-4.0, 4.0]}
+"""
+
+
+def test_several_action_terms_are_one_action(tmp_path):
+    head, _, tail = published.ENV_YAML.partition("actions:\n  joint_pos")
+    text = head + SEVERAL_ACTIONS + "commands" + tail.partition("commands")[2]
+    joints = imported_from(tmp_path, text).environment["joints"]
+    knees = [f"{leg}_knee" for leg in ("FL", "FR", "RL", "RR")]
+    assert joints["order"][8:] == knees
+    assert joints["command"] == {"all": "position", **dict.fromkeys(knees, "velocity")}
+    assert {joints["scale"][knee] for knee in knees} == {5.0}
+    assert {joints["upper"][knee] for knee in knees} == {4.0}
+    assert "FL_abduction" not in joints["upper"]
+    with pytest.raises(ConfigError, match="joints that no other action term moves, found FL_knee"):
+        imported_from(tmp_path, text.replace("'.*_hip_pitch'", "'.*_hip_pitch', '.*_knee'"))
+    with pytest.raises(ConfigError, match=r"action terms of every servo.*found none of RL_knee, RR_knee"):
+        imported_from(tmp_path, text.replace("['.*_knee']", "['F.*_knee']"))
+
+
+@pytest.mark.parametrize("remembers", [False, True])
+def test_networks_of_actuators_are_taken_along(tmp_path, remembers):
+    published.actuator(tmp_path / "drive.pt", remembers)
+    kind = "ActuatorNetLSTM" if remembers else "ActuatorNetMLP"
+    said = "network_file: /nowhere/drive.pt" if remembers else published.ACTUATOR_MLP
+    text = published.ENV_YAML.replace("actuator_pd:DCMotor", f"actuator_net:{kind}").replace(
+        "        stiffness: 25.0\n        damping: 0.5\n", f"        {said}\n"
+    )
+    imported = imported_from(tmp_path, text)
+    assert imported.environment["joints"]["actuator"].endswith("walk/actuator.safetensors")
+    assert imported.environment["settle_seconds"] == 0
+    # What a motor gives at its speed is the network's limit as well.
+    assert imported.environment["servos"]["no_load_speed"] == 30
+    short = crossgait.EnvironmentConfig.load(imported.environment_file).updated(episode_seconds=0.2)
+    crossgait.rollout([imported.folder], short, episodes=1)
+    (tmp_path / "drive.pt").unlink()
+    with pytest.raises(ConfigError, match=r"a file there, or drive.pt beside the file that says so"):
+        imported_from(tmp_path, text)
+
+
+def test_another_network_of_actuators_is_refused(tmp_path):
+    published.actuator(tmp_path / "drive.pt", False, torch.nn.Sigmoid())
+    text = published.ENV_YAML.replace("actuator_pd:DCMotor", "actuator_net:ActuatorNetMLP").replace(
+        "        stiffness: 25.0\n        damping: 0.5\n", f"        {published.ACTUATOR_MLP}\n"
+    )
+    with pytest.raises(ConfigError, match=r"network: expected layers.*softsign.*which computes otherwise"):
+        imported_from(tmp_path, text)
+
+
+def test_a_start_that_the_caller_says_begins_at_once(tmp_path, deployed):
+    _, file, deploy = deployed
+    settings = {"start.height": 0.5, "start.velocity": [0.2, 0, 0]}
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", deploy, settings=settings)
+    assert imported.environment["start"] == {"height": 0.5, "velocity": [0.2, 0, 0]}
+    assert imported.environment["settle_seconds"] == 0
 
 
 @pytest.mark.parametrize("recurrent", [False, True])

@@ -126,11 +126,9 @@ TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
   EXPECT_EQ(complaint("action: wings\n"), "env.yaml: line 1, action: expected gait or joints, found 'wings'");
   EXPECT_EQ(complaint("preset: guide\naction: joints\n"),
             "env.yaml: line 2, action: expected gait, which the guide's actions adapt, found joints");
-  EXPECT_EQ(
-      complaint("action: joints\njoints: {gain: 2}\n"),
-      "env.yaml: line 2, joints.gain: expected one of the keys order, command, home, offset, scale, lower, "
-      "upper, limit, delay, filter, "
-      "found unknown key 'gain'");
+  EXPECT_EQ(complaint("action: joints\njoints: {gain: 2}\n"),
+            "env.yaml: line 2, joints.gain: expected one of the keys order, observed, command, home, offset, "
+            "scale, lower, upper, limit, delay, filter, actuator, found unknown key 'gain'");
   EXPECT_EQ(complaint("servos: {ki: 2}\n"),
             "env.yaml: line 1, servos.ki: expected one of the keys kp, kd, effort, effort_negative, "
             "damping, stiffness, armature, friction, corner_speed, no_load_speed, backlash, delay, lag, "

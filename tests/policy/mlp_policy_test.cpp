@@ -222,7 +222,7 @@ TEST_F(MlpPolicyTest, RefusesIncompleteAndContradictoryBundles) {
   EXPECT_EQ(error_after(with_metadata("format", "crossgait-policy-2")),
             "format: expected crossgait-policy-1, found 'crossgait-policy-2'");
   EXPECT_EQ(error_after(with_metadata("activation", "gelu")),
-            "activation: expected tanh, elu, relu, swish, silu, found 'gelu'");
+            "activation: expected tanh, elu, relu, swish, silu, softsign, found 'gelu'");
   EXPECT_EQ(error_after(with_metadata("output", "relu")), "output: expected linear, tanh, found 'relu'");
   EXPECT_EQ(error_after(with_metadata("observation_clip", "0")),
             "observation_clip: expected a positive number, found '0'");

@@ -9,6 +9,7 @@ from typing import Any
 
 from crossgait._core import Robot
 from crossgait.errors import ConfigError
+from crossgait.importing.actuator import Actuator
 from crossgait.importing.joint_orders import joints_in_order, match_joints
 from crossgait.importing.stated import Stated
 
@@ -44,6 +45,7 @@ class Contract:
     fields: dict[str, Field] = field(default_factory=dict)
     joints: list[str] = field(default_factory=list)  #: the robot's servos in the policy's order
     unstated: list[str] = field(default_factory=list)
+    actuator: Actuator | None = None  #: a network in the place of the servos' law
 
     def say(self, name: str, value: Any, source: str) -> None:
         """Take in a field. Raises ConfigError naming both places where another was said before."""
@@ -85,6 +87,11 @@ class Contract:
         """The same by a convention's name, unless the order is known."""
         if not self.joints:
             self.say_order(joints_in_order(convention, self.robot, source), f"{source} (convention {convention})")
+
+    def say_actuator(self, actuator: Actuator) -> None:
+        """Take in a network that makes torques of targets."""
+        self.say("joints.actuator", actuator.file, actuator.place)
+        self.actuator = actuator
 
     def say_by_joint(self, name: str, value: Stated | None, order: list[str] | None = None) -> None:
         """A number for every joint: a list in `order` (the policy's unless given), one number, or by pattern."""

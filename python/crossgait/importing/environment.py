@@ -6,13 +6,15 @@ import math
 import os
 from typing import Any
 
-from crossgait.importing.contract import Contract
+from crossgait.importing.contract import Contract, Field
 from crossgait.sweep.strict_yaml import write_yaml
 
 #: Beyond what any action reaches, where nobody says where it is clipped.
 _NO_LIMIT = 100.0
 #: Of the ground in all simulators that publish policies, where nobody says another.
 _FRICTION = 1.0
+#: By which a target is found at which a servo's law gives a torque, N m/rad: 100 N m within 0.1 rad.
+_GIVING_STIFFNESS = 1000.0
 _SERVOS = ("kp", "kd", "effort", "armature", "friction", "corner_speed", "no_load_speed", "delay")
 
 
@@ -30,13 +32,16 @@ def make_environment(contract: Contract, robot: str) -> dict[str, Any]:
     contract.assume("joints.limit", _NO_LIMIT)
     for number in ("kp", "kd", "effort", "armature", "friction"):
         contract.assume(f"servos.{number}", "the robot's own", "robot")
+    _let_servos_give_torques(contract)
     contract.assume("friction", _FRICTION, "default (of Isaac Gym, Isaac Lab and MuJoCo)")
     environment: dict[str, Any] = {
         "robot": os.path.abspath(robot) if os.path.exists(robot) else robot,
         "action": "joints",
         "joints": _joints(contract),
         "servos": {
-            key: one_or_each(value) for key in _SERVOS if isinstance(value := contract.get(f"servos.{key}"), dict)
+            key: one_or_each(value, len(contract.joints))
+            for key in _SERVOS
+            if isinstance(value := contract.get(f"servos.{key}"), dict)
         },
         "friction": contract.get("friction"),
         "command": _command(contract),
@@ -48,10 +53,30 @@ def make_environment(contract: Contract, robot: str) -> dict[str, Any]:
     history = {key: contract.get(f"history.{key}") for key in ("by", "order", "before")}
     if any("history" in item for item in environment["observation"] if isinstance(item, dict)):
         environment["history"] = {key: value for key, value in history.items() if value is not None}
+    start = {key.partition(".")[2]: f.value for key, f in contract.fields.items() if key.startswith("start.")}
+    if start:
+        environment["start"] = start
+    if start or "joints.actuator" in contract.fields:
+        # Nothing settles in the air, nor holds a robot whose servos' stiffness is not a servo's.
+        environment["settle_seconds"] = 0.0
     for key in ("clock", "height_scan", "constants", "episode_seconds"):
         if (value := contract.get(key)) is not None:
             environment[key] = value
     return environment
+
+
+def _let_servos_give_torques(contract: Contract) -> None:
+    """A stiffness by which servos are made to give torques, where nobody states one or it is 0."""
+    commands = contract.get("joints.command")
+    of = commands if isinstance(commands, dict) else {joint: commands for joint in contract.joints}
+    given = [j for j in contract.joints if of.get(j) in ("torque", "velocity") or "joints.actuator" in contract.fields]
+    stated = contract.fields["servos.kp"]
+    numbers = stated.value if isinstance(stated.value, dict) else {}
+    lacking = [j for j in given if not numbers.get(j, 0.0 if "joints.actuator" in contract.fields else 1.0) > 0]
+    if lacking:
+        source = f"{stated.source}; {_GIVING_STIFFNESS:g} where a servo is made to give torques"
+        value = numbers | {joint: _GIVING_STIFFNESS for joint in lacking}
+        contract.fields["servos.kp"] = Field("servos.kp", value, source)
 
 
 def to_text(environment: dict[str, Any]) -> str:
@@ -69,25 +94,37 @@ def _home_of(contract: Contract) -> dict[str, float]:
     return {joint: home[joint] for joint in contract.joints}
 
 
-def one_or_each(numbers: dict[str, float]) -> Any:
-    """One number where it is the same for all."""
-    return next(iter(numbers.values())) if len(set(numbers.values())) == 1 else numbers
+def one_or_each(numbers: dict[str, float], count: int | None = None) -> Any:
+    """One number where it is the same for all: of `count` joints, if only some may be said."""
+    whole = count is None or len(numbers) == count
+    return next(iter(numbers.values())) if whole and len(set(numbers.values())) == 1 else numbers
 
 
 def _joints(contract: Contract) -> dict[str, Any]:
     joints: dict[str, Any] = {"order": contract.get("joints.order"), "home": one_or_each(contract.get("joints.home"))}
-    if contract.get("joints.command") != "position":
-        joints["command"] = contract.get("joints.command")
+    if (observed := contract.get("joints.observed")) not in (None, contract.joints):
+        joints["observed"] = observed
+    if (command := _command_of_joints(contract.get("joints.command"))) != "position":
+        joints["command"] = command
     offset = contract.get("joints.offset")
     if offset is not None and offset != contract.get("joints.home"):
-        joints["offset"] = one_or_each(offset)
+        joints["offset"] = one_or_each(offset, len(contract.joints))
     for key in ("scale", "lower", "upper"):
         if (value := contract.get(f"joints.{key}")) is not None:
-            joints[key] = one_or_each(value)
+            joints[key] = one_or_each(value, len(contract.joints))
     for key in ("limit", "delay", "filter"):
         if (value := contract.get(f"joints.{key}")) is not None:
             joints[key] = value
     return joints
+
+
+def _command_of_joints(commands: Any) -> Any:
+    """One word, or the most frequent one as `all` and the joints that have another."""
+    if not isinstance(commands, dict):
+        return commands
+    of = list(commands.values())
+    most = max(of, key=of.count)
+    return {"all": most} | {joint: command for joint, command in commands.items() if command != most}
 
 
 def _command(contract: Contract) -> dict[str, float]:

@@ -13,6 +13,7 @@ from crossgait._core import EnvironmentConfig, PolicyInterface, Robot
 from crossgait.errors import ConfigError
 from crossgait.files import read_bytes, written_whole
 from crossgait.importing import environment, forms, network, stated, terms
+from crossgait.importing.actuator import write_actuator
 from crossgait.importing.contract import SETTINGS, Contract, Field
 from crossgait.importing.stated import Stated
 from crossgait.sweep import strict_yaml
@@ -118,13 +119,16 @@ def import_policy(
     if not roots and not settings:
         raise ConfigError(file, "interface", "a file that says it (--from), or metadata in it", "neither")
     _say_settings(contract, settings or {})
+    folders = tuple(os.path.dirname(os.path.abspath(source)) for source in files)
     for root in roots:
-        forms.find_form(root).read(root, contract, forms.Options(joint_order))
+        forms.find_form(root).read(root, contract, forms.Options(joint_order, folders))
     _require(contract, file)
     made = environment.make_environment(contract, name)
     folder = Path(os.path.abspath(out))
     folder.mkdir(parents=True, exist_ok=True)
     environment_file = folder / ENVIRONMENT_FILE
+    if contract.actuator is not None:
+        made["joints"]["actuator"] = write_actuator(contract.actuator, folder)
     config = EnvironmentConfig.parse(environment.to_text(made), str(environment_file))
     written = network.write_network(file, PolicyInterface(config), folder, agent)
     with written_whole(environment_file) as beside:

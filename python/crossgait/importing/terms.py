@@ -62,8 +62,10 @@ def block_of(name: str, table: dict[str, str], place: Stated) -> str:
 
 def size_of(block: str, contract: Contract) -> int | None:
     """How many numbers a block has; None where that depends on more."""
-    if block in _PER_JOINT:
+    if block == "last_action":
         return len(contract.robot.servos)
+    if block in _PER_JOINT:
+        return len(contract.get("joints.observed", contract.robot.servos))
     return None if block == "height_scan" else _SIZES.get(block, 3)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from crossgait.importing import terms
+from crossgait.importing.actuator import Actuator, find_file
 from crossgait.importing.contract import Contract, by_pattern
 from crossgait.importing.forms.shared import Options, order_of_joints, say_command
 from crossgait.importing.stated import Stated
@@ -31,6 +32,7 @@ def read(root: Stated, contract: Contract, options: Options) -> None:
         kind.fail("P or T: targets of angles or torques")
     if kind is not None:
         contract.say("joints.command", {"P": "position", "T": "torque"}[kind.text()], kind.place)
+    _network(control, root, contract, options)
     if (angles := root.find("init_state", "default_joint_angles")) is not None:
         contract.say("joints.home", by_pattern(angles, contract.joints, whole=False), angles.place)
     for key, name in (("stiffness", "servos.kp"), ("damping", "servos.kd")):
@@ -55,6 +57,17 @@ def read(root: Stated, contract: Contract, options: Options) -> None:
         say_command(contract, ranges)
     if (friction := root.find("terrain", "static_friction")) is not None:
         contract.say("friction", friction.number(), friction.place)
+
+
+def _network(control: Stated, root: Stated, contract: Contract, options: Options) -> None:
+    """The LSTM that legged_gym's ANYmal has in the place of its servos."""
+    used = control.find("use_actuator_network")
+    if used is None or not used.boolean():
+        return
+    file = control.at("actuator_net_file")
+    dt = root.find("sim", "dt")
+    found = find_file(file.text(), options.folders, file.place)
+    contract.say_actuator(Actuator(found, file.place, True, dt.number() if dt is not None else _DEFAULTS["physics_dt"]))
 
 
 def _observation(root: Stated, contract: Contract) -> None:

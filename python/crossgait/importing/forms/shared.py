@@ -13,6 +13,7 @@ class Options:
     """What the caller says beside the files."""
 
     joint_order: str | None = None  #: a convention's name, in the place of the form's own
+    folders: tuple[str, ...] = ()  #: of the files that were given
 
 
 def order_of_joints(options: Options, otherwise: str) -> str:
