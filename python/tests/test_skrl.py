@@ -37,13 +37,23 @@ def test_states_are_what_critics_may_see() -> None:
         plain.unwrapped.state()
 
 
+def test_each_environment_is_called() -> None:
+    envs = gymnasium.make_vec("Crossgait/JointControl-v0", num_envs=3, config=CONFIG, **HOW).unwrapped
+    envs.reset(seed=1)
+    assert envs.call("render") == (None,) * 3
+    assert envs.call("episode_seed") == tuple(map(int, envs.episode_seeds))
+    envs.call("set_command", 0.3)
+    assert [summary["outcome"] for summary in envs.call("summary")] == ["walked"] * 3
+
+
 @pytest.mark.long
 @pytest.mark.filterwarnings("ignore")  # of skrl and what it imports
 def test_an_agent_trains(tmp_path: Path) -> None:
     pytest.importorskip("skrl")
     import torch
     from skrl.agents.torch.ppo import PPO, PPO_CFG
-    from skrl.envs.wrappers.torch import GymnasiumWrapper, wrap_env
+    from skrl.envs.wrappers.torch import wrap_env
+    from skrl.envs.wrappers.torch.gymnasium_envs import GymnasiumWrapper
     from skrl.memories.torch import RandomMemory
     from skrl.models.torch import DeterministicMixin, GaussianMixin, Model
     from skrl.resources.preprocessors.torch import RunningStandardScaler
@@ -100,14 +110,16 @@ def test_an_agent_trains(tmp_path: Path) -> None:
     models = {"policy": Actor(**spaces), "value": Critic(**spaces)}
     memory = RandomMemory(memory_size=24, num_envs=32, device="cpu")
     agent = PPO(models=models, memory=memory, cfg=cfg, **spaces)
-    trainer = SequentialTrainer(env=envs, agents=agent, cfg={"timesteps": 480, "disable_progressbar": True})
+    trainer = SequentialTrainer(
+        env=envs, agents=agent, cfg={"close_environment_at_exit": False, "timesteps": 240, "disable_progressbar": True}
+    )
 
     def mean_reward() -> float:
         fresh = wrapped()
         seen, _ = fresh.reset()
         rewards = []
         agent.enable_models_training_mode(False)
-        for _ in range(100):
+        for _ in range(50):
             with torch.inference_mode():
                 _, outputs = agent.act(seen, fresh.state(), timestep=10**6, timesteps=10**6)
             seen, reward, *_ = fresh.step(outputs["mean_actions"].clamp(-1, 1))

@@ -293,7 +293,7 @@ pool.close()
 """
     (tmp_path / "program.py").write_text(program)
     done = subprocess.run([sys.executable, tmp_path / "program.py"], capture_output=True, text=True, check=True)
-    assert done.stdout == "a worker process ended before its first run (exit code 3)\n"
+    assert done.stdout == "a worker process ended before its first task (exit code 3)\n"
 
 
 def test_sorted_rows_are_in_the_grids_order(runs: list[Run], serial: list[bytes], tmp_path: Path) -> None:

@@ -210,6 +210,16 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         draw = renderer.depth if self.render_mode == "depth_array" else renderer.frame
         return tuple(draw(self.core.environment(i)) for i in range(self.num_envs))
 
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """Call a method of each environment (`render`, or one of `core.environment(i)`), or read an attribute of each.
+
+        As Gymnasium's own vector environments do, for libraries that render by it.
+        """
+        if name == "render":
+            return self.render() or (None,) * self.num_envs
+        members = [getattr(self.core.environment(i), name) for i in range(self.num_envs)]
+        return tuple(member(*args, **kwargs) if callable(member) else member for member in members)
+
     @property
     def state_space(self) -> gymnasium.spaces.Box | None:
         """Of `state` of one environment; None where no term observes for `critic`. skrl looks for both."""
