@@ -29,7 +29,7 @@ class FootTargetTracker {
                              const ServoCompensation& compensation = {}, double gravity = kGravity);
 
   /// @param feet targets in each leg's frame (x forward, y left, z up), m; of legs without abduction y counts
-  ///             as 0
+  ///             as 0, of those whose knee follows their hip x as what y and z leave it
   /// @param dt   time since the last update, s; velocities are differences over it
   /// @returns targets of the actuated joints
   const JointTargets& update(const LegArray<Vector3>& feet, double dt) noexcept;

@@ -14,18 +14,18 @@
 
 namespace crossgait {
 
-/// A height field around its own origin; `base` is how thick it is below its lowest.
+/// Holds a height field around its own origin; `base` is how thick it is below its lowest.
 struct GroundField {
   HeightField field;
   double base;
 };
 
-/// Heights between which a vertical line is inside a solid, m.
+/// Holds the heights between which a vertical line is inside a solid, m.
 struct HeightRange {
   double bottom = -std::numeric_limits<double>::infinity(), top = std::numeric_limits<double>::infinity();
 };
 
-/// A face of a hull, or a plane: what is inside has n . p <= d.
+/// Describes a face of a hull, or a plane: what is inside has n . p <= d.
 struct HalfSpace {
   Vector3 n;
   double d;
@@ -56,7 +56,7 @@ class GroundShapes {
   SceneTerrain sample(double cell, std::vector<std::string> warnings);
 
  private:
-  /// One shape: its extent in x and y, and the line through it over a point.
+  /// Describes one shape: its extent in x and y, and the line through it over a point.
   struct Solid {
     double x_min, x_max, y_min, y_max;
     std::function<std::optional<HeightRange>(double x, double y)> over;

@@ -18,7 +18,7 @@ struct ContactNumbers {
   double condim = 3, margin = 0, gap = 0;                  ///< -, m, m
   std::optional<double> max_depenetration_velocity;        ///< of hard contact, m/s: MJCF has none
   std::set<std::string> stated;  ///< names of those that the file says; the others are MuJoCo's defaults
-  /// What the file says beside them, which no contact here has, by its name there.
+  /// Holds a number that the file says beside them, and that no contact here has.
   struct Unused {
     double number;
     std::string why;  ///< it is not simulated

@@ -138,72 +138,96 @@ std::optional<NamedCoupling> read_tied(const MjcfElement& e, const MjcfDefaults&
   return coupling;
 }
 
+/// Reads actuators before equalities: who has a motor leads.
+class CouplingReader {
+ public:
+  CouplingReader(MjcfDocument& document, const MjcfDefaults& defaults)
+      : document_(document), defaults_(defaults), tendons_(fixed_tendons(document.root())) {}
+
+  MjcfCouplings read() {
+    for_sections("actuator", [this](MjcfElement& section) {
+      for (MjcfElement& e : section.children) read_actuator(e);
+    });
+    std::erase_if(found_.others, [this](const auto& entry) { return driven_.contains(entry.first); });
+    for_sections("equality", [this](MjcfElement& section) {
+      std::erase_if(section.children, [this](const MjcfElement& e) { return takes_equality(e); });
+    });
+    for (NamedCoupling& coupling : found_.followers) coupling.is_driven = driven_.contains(coupling.follower);
+    for_sections("tendon", [this](MjcfElement& section) {
+      std::erase_if(section.children, [this](const MjcfElement& e) {
+        return e.tag == "fixed" && taken_.contains(std::string(e.attribute("name")));
+      });
+    });
+    return std::move(found_);
+  }
+
+ private:
+  template <typename Function>
+  void for_sections(std::string_view tag, Function function) {
+    for (MjcfElement& section : document_.root().children)
+      if (section.tag == tag) function(section);
+  }
+
+  /// Notes what the joints of a tendon do that is not simulated.
+  void couple(const MjcfElement& e, const char* attribute, const char* how) {
+    const auto tendon = tendons_.find(std::string(e.attribute(attribute)));
+    if (tendon == tendons_.end()) return;
+    for (const auto& [joint, coefficient] : tendon->second)
+      found_.others[joint] =
+          fmt::format("{} tendon '{}' of {} joint(s) ({})", how, printable_text(tendon->first, 200),
+                      tendon->second.size(), mjcf_place(e, document_.path()));
+  }
+
+  void read_actuator(MjcfElement& e) {
+    const auto tendon = tendons_.find(std::string(e.attribute("tendon")));
+    if (e.has("tendon") && tendon != tendons_.end() && tendon->second.size() == 1) {
+      drive_joint(e, tendon->second.front(), defaults_);
+    } else if (e.has("tendon")) {
+      couple(e, "tendon", "is driven by");
+      pulled_.emplace(e.attribute("tendon"));
+    }
+    if (e.has("joint")) driven_.insert(std::string(e.attribute("joint")));
+  }
+
+  /// @returns whether nothing is left to be said of the element
+  bool takes_equality(const MjcfElement& e) {
+    const bool is_joint = e.tag == "joint";
+    if (defaults_or_own(defaults_, e, "active") == "false") return is_joint;
+    if (e.tag == "tendon") return takes_tendons(e);
+    if (is_joint && e.has("joint2")) {
+      found_.followers.push_back(read_follower(e, defaults_, document_.path()));
+    } else if (is_joint) {
+      found_.held.push_back(
+          {std::string(e.attribute("joint1")), polynomial_of(e)[0], mjcf_place(e, document_.path())});
+    }
+    return is_joint;
+  }
+
+  bool takes_tendons(const MjcfElement& e) {
+    const std::string one(e.attribute("tendon1")), other(e.attribute("tendon2"));
+    const bool moves_by_itself = pulled_.contains(one) || pulled_.contains(other);
+    auto tied = moves_by_itself ? std::nullopt : read_tied(e, defaults_, tendons_, driven_, document_.path());
+    if (!tied) {
+      for (const char* name : {"tendon1", "tendon2"}) couple(e, name, "hangs on");
+      return false;
+    }
+    found_.followers.push_back(std::move(*tied));
+    taken_.insert({one, other});
+    return true;
+  }
+
+  MjcfDocument& document_;
+  const MjcfDefaults& defaults_;
+  const Tendons tendons_;
+  std::set<std::string> driven_, pulled_;  ///< joints and tendons with an actuator
+  std::set<std::string> taken_;            ///< tendons that became couplings
+  MjcfCouplings found_;
+};
+
 }  // namespace
 
 MjcfCouplings find_couplings(MjcfDocument& document, const MjcfDefaults& defaults) {
-  MjcfCouplings found;
-  std::map<std::string, std::string>& coupled = found.others;
-  const Tendons tendons = fixed_tendons(document.root());
-  std::set<std::string> driven, pulled;  // joints and tendons with an actuator
-  const auto couple = [&](const MjcfElement& e, const char* attribute, const char* how) {
-    const auto tendon = tendons.find(std::string(e.attribute(attribute)));
-    if (tendon == tendons.end()) return;
-    for (const auto& [joint, coefficient] : tendon->second)
-      coupled[joint] =
-          fmt::format("{} tendon '{}' of {} joint(s) ({})", how, printable_text(tendon->first, 200),
-                      tendon->second.size(), mjcf_place(e, document.path()));
-  };
-  for (MjcfElement& section : document.root().children) {
-    for (MjcfElement& e : section.children) {
-      if (section.tag != "actuator") continue;
-      const auto tendon = tendons.find(std::string(e.attribute("tendon")));
-      if (e.has("tendon") && tendon != tendons.end() && tendon->second.size() == 1) {
-        drive_joint(e, tendon->second.front(), defaults);
-      } else if (e.has("tendon")) {
-        couple(e, "tendon", "is driven by");
-        pulled.emplace(e.attribute("tendon"));
-      }
-      if (e.has("joint")) driven.insert(std::string(e.attribute("joint")));
-    }
-  }
-  std::erase_if(coupled, [&](const auto& entry) { return driven.contains(entry.first); });
-  std::set<std::string> taken;  // tendons that became couplings
-  const auto read_tendons = [&](const MjcfElement& e) {
-    const std::string one(e.attribute("tendon1")), other(e.attribute("tendon2"));
-    const bool moves_by_itself = pulled.contains(one) || pulled.contains(other);
-    auto tied = moves_by_itself ? std::nullopt : read_tied(e, defaults, tendons, driven, document.path());
-    if (tied) {
-      found.followers.push_back(std::move(*tied));
-      taken.insert({one, other});
-    } else {
-      for (const char* name : {"tendon1", "tendon2"}) couple(e, name, "hangs on");
-    }
-    return tied.has_value();
-  };
-  for (MjcfElement& section : document.root().children) {
-    if (section.tag != "equality") continue;
-    std::erase_if(section.children, [&](const MjcfElement& e) {
-      const bool is_joint = e.tag == "joint";
-      if (defaults_or_own(defaults, e, "active") == "false") return is_joint;
-      if (e.tag == "tendon") return read_tendons(e);
-      if (!is_joint) return false;
-      if (e.has("joint2")) {
-        found.followers.push_back(read_follower(e, defaults, document.path()));
-      } else {
-        found.held.push_back(
-            {std::string(e.attribute("joint1")), polynomial_of(e)[0], mjcf_place(e, document.path())});
-      }
-      return true;
-    });
-  }
-  for (NamedCoupling& coupling : found.followers) coupling.is_driven = driven.contains(coupling.follower);
-  for (MjcfElement& section : document.root().children) {
-    if (section.tag != "tendon") continue;
-    std::erase_if(section.children, [&](const MjcfElement& e) {
-      return e.tag == "fixed" && taken.contains(std::string(e.attribute("name")));
-    });
-  }
-  return found;
+  return CouplingReader(document, defaults).read();
 }
 
 std::map<std::string, double> held_angles(const std::vector<MjcfHeld>& held,
