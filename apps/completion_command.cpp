@@ -1,6 +1,8 @@
 // crossgait completion: what shells complete, and the manual, from the table that help is made of.
+#include <filesystem>
 #include <map>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -8,6 +10,9 @@
 
 #include "apps/command.h"
 #include "apps/help.h"
+#include "apps/manual.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/error.h"
 #include "study/version.h"
 
 namespace crossgait::apps {
@@ -110,42 +115,22 @@ std::string fish(const CLI::App& program) {
   return text;
 }
 
-// As troff takes it: a backslash and a leading dot or quote mean something there, and a hyphen is not a
-// minus.
-std::string roff(const std::string& text) {
-  std::string result;
-  bool begins = true;
-  for (const char c : text) {
-    if (begins && (c == '.' || c == '\'')) result += "\\&";
-    if (c == '\\') {
-      result += "\\e";
-    } else if (c == '-') {
-      result += "\\-";
-    } else {
-      result += c;
-    }
-    begins = c == '\n';
-  }
-  return result;
+std::string manual(const CLI::App& program, const std::string& command) {
+  if (command.empty()) return manual_of_program(program);
+  for (const CLI::App* known : commands_of(program))
+    if (known->get_name() == command) return manual_of_command(*known);
+  throw ConfigError("command line", "command",
+                    fmt::format("one of {}", fmt::join(names_of(commands_of(program)), ", ")), command);
 }
 
-std::string manual(const CLI::App& program) {
-  std::string text = fmt::format(
-      ".TH CROSSGAIT 1 \"\" \"Crossgait {}\"\n.SH NAME\ncrossgait \\- one quadruped stack over several "
-      "physics "
-      "engines\n.SH SYNOPSIS\n.B crossgait\n.I COMMAND\n[\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n{}\n.SH "
-      "COMMANDS\n",
-      crossgait_version(), roff(program.get_description()));
-  for (const CLI::App* command : commands_of(program)) {
-    text += fmt::format(".SS crossgait {}\n{}\n", command->get_name(), roff(command->get_description()));
-    for (const CLI::Option* option : options_of(*command)) {
-      const std::string value = metavar(*option);
-      text += fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", roff(option->get_name(false, true)),
-                          value.empty() ? "" : fmt::format(" \\fI{}\\fR", roff(value)),
-                          roff(explanation(*option)));
-    }
-  }
-  return text + ".SH EXIT STATUS\n0 done, 1 failed, 2 bad input, 130 interrupted.\n";
+// Writes every page of the manual, as `man` finds them in a folder man1.
+void write_manual(const CLI::App& program, const std::string& folder) {
+  std::error_code error;  // which the first file has, too
+  std::filesystem::create_directories(folder, error);
+  std::vector<std::string> names = names_of(commands_of(program));
+  names.emplace_back();  // of the program itself
+  for (const std::string& name : names)
+    write_file_atomically(fmt::format("{}/{}.1", folder, manual_name(name)), manual(program, name));
 }
 
 }  // namespace
@@ -157,17 +142,28 @@ void add_completion_command(CLI::App& program, Invocation& /*invocation*/) {
       "  eval \"$(crossgait completion bash)\"          # or in ~/.bashrc\n"
       "  source <(crossgait completion zsh)\n"
       "  crossgait completion fish | source\n"
-      "  crossgait completion man > crossgait.1 && man ./crossgait.1");
-  auto kind = std::make_shared<std::string>();
+      "  crossgait completion man verdict | man -l -\n"
+      "  crossgait completion man --out ~/.local/share/man/man1   # then: man crossgait-verdict");
+  auto kind = std::make_shared<std::string>(), page = std::make_shared<std::string>(),
+       folder = std::make_shared<std::string>();
   command->add_option("for", *kind, "What it is for")
       ->type_name("bash|zsh|fish|man")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish", "man"}));
-  on_run(*command, [kind, &program] {
+  CLI::Option* one = command->add_option(
+      "command", *page, "The command whose page of the manual is printed; none: crossgait(1)");
+  command->add_option("--out", *folder, "Print nothing: write every page of the manual into this folder")
+      ->type_name("FOLDER")
+      ->excludes(one);
+  on_run(*command, [kind, page, folder, &program] {
+    if (*kind != "man" && !(page->empty() && folder->empty()))
+      throw ConfigError("command line", page->empty() ? "--out" : "command", "man, whose pages they are of",
+                        *kind);
+    if (!folder->empty()) return write_manual(program, *folder);
     print_data(*kind == "bash"   ? bash(program)
                : *kind == "zsh"  ? zsh(program)
                : *kind == "fish" ? fish(program)
-                                 : manual(program));
+                                 : manual(program, *page));
   });
 }
 

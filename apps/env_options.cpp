@@ -168,7 +168,7 @@ void add_workers_option(CLI::App& command, std::size_t& workers) {
   command.add_option("--workers", workers, "Threads; results do not depend on them")
       ->check(CLI::Range(1, 1024))
       ->group(kExecution)
-      ->capture_default_str();
+      ->default_str("the cores that it may use");  // in words: a manual may be read on another machine
 }
 
 void add_episode_options(CLI::App& command, EpisodeOptions& options) {

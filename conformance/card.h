@@ -35,8 +35,8 @@ nlohmann::ordered_json to_json(const Card& card);
 
 /// Lists the topics of all checks, in their order.
 std::vector<std::string> topics();
-/// Tabulates the checks of these topics with proof, requirement and precondition, each topic under a heading, as
-/// in docs/generated/checks-*.md.
+/// Tabulates the checks of these topics with proof, requirement and precondition, each topic under a heading,
+/// as in docs/generated/checks-*.md.
 std::string markdown_of_checks(const std::vector<std::string>& topics);
 
 }  // namespace crossgait::conformance

@@ -24,9 +24,9 @@ constexpr GaitParameters guide(double duty_factor, double cycle_time) {
   return p;
 }
 
-// What stiff serial legs walk with, at the table's size (docs/gaits-measured.md): swings of 0.28 h, for they do not
-// sag like soft five-bars, a load share above 1, for what gives way beside the servos is the ground, and
-// cycles of 2.45 sqrt(h / g). The trot sets its feet down with less speed forward (swing_shape) than the
+// What stiff serial legs walk with, at the table's size (docs/gaits-measured.md): swings of 0.28 h, for they
+// do not sag like soft five-bars, a load share above 1, for what gives way beside the servos is the ground,
+// and cycles of 2.45 sqrt(h / g). The trot sets its feet down with less speed forward (swing_shape) than the
 // others: hard contact takes what speed a landing foot has (docs/gaits-measured.md).
 constexpr GaitParameters serial(double cycle_time, double duty_factor, double step_length,
                                 double swing_shape = 0.6) {

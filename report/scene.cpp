@@ -65,11 +65,7 @@ class Shapes {
       const std::optional<std::size_t> index =
           is_mesh ? index_of(visual.mesh, detail_ / visual.scale.cwiseAbs().maxCoeff()) : std::nullopt;
       if (is_mesh && !index) {
-        notes_.push_back(fmt::format("{} of {} is no {} mesh that can be read{}: {}",
-                                     std::filesystem::path(visual.mesh).filename().string(), body.name,
-                                     kMeshFormats, problems_[visual.mesh],
-                                     body.shapes.empty() ? "it is not shown, and there is no collision shape"
-                                                         : "collision shapes stand in for it"));
+        note_missing(visual.mesh, body);
         dropped = true;
         continue;
       }
@@ -81,6 +77,7 @@ class Shapes {
         shape["scale"] = list(visual.scale);
       }
       shapes.push_back(std::move(shape));
+      show_visuals_ = true;
     }
     if (!shapes.empty() && !dropped) return shapes;
     for (const CollisionShape& collision : body.shapes) {
@@ -91,6 +88,8 @@ class Shapes {
     }
     return shapes;
   }
+  /// Tells whether any body so far shows what it looks like, and not what collides.
+  bool show_visuals() const { return show_visuals_; }
   ordered_json meshes() {
     if (coarse_) {
       notes_.push_back(fmt::format(
@@ -126,6 +125,18 @@ class Shapes {
   }
 
  private:
+  /// Notes what stands in for a mesh that cannot be shown.
+  void note_missing(const std::string& mesh, const Body& body) {
+    const std::string what = mesh.empty() ? fmt::format("a mesh of {} is not there", body.name)
+                                          : fmt::format("{} of {} is no {} mesh that can be read{}",
+                                                        std::filesystem::path(mesh).filename().string(),
+                                                        body.name, kMeshFormats, problems_[mesh]);
+    std::string note = fmt::format("{}: {}", what,
+                                   body.shapes.empty() ? "it is not shown, and there is no collision shape"
+                                                       : "collision shapes stand in for it");
+    if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(std::move(note));
+  }
+
   /// Reads a mesh once; nothing if it cannot be read, for looks make no robot unfit (`problems_` says why).
   std::optional<TriangleMesh> read(const std::string& file) {
     const FilesRead apart(FilesRead::Scope::kApart);  // what a robot looks like makes no result
@@ -179,7 +190,7 @@ class Shapes {
   double detail_;
   std::map<std::pair<std::string, double>, std::optional<std::size_t>> known_;
   std::map<std::string, std::string> problems_;
-  bool coarse_ = false;
+  bool coarse_ = false, show_visuals_ = false;
   std::size_t vertices_ = 0, triangles_ = 0;
 };
 
@@ -242,13 +253,13 @@ nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terra
                                       const PathBounds& path, PageNumbers& numbers) {
   ordered_json notes = ordered_json::array(), bodies = ordered_json::array();
   Shapes shapes(numbers, notes, kMeshDetail * std::max(0.0, robot.standing_height));
-  const bool no_visuals = std::all_of(robot.bodies.begin(), robot.bodies.end(),
-                                      [](const Body& body) { return body.visuals.empty(); });
+  std::vector<ordered_json> of_bodies;
+  for (const Body& body : robot.bodies) of_bodies.push_back(shapes.of(body));
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
     const Body& body = robot.bodies[i];
     const Vector3& com = body.inertia.p_BC;
-    ordered_json its = shapes.of(body);
-    if (no_visuals && its.empty()) its = shapes.sticks(robot, i);
+    ordered_json& its = of_bodies[i];
+    if (!shapes.show_visuals() && its.empty()) its = shapes.sticks(robot, i);
     bodies.push_back({{"name", body.name},
                       {"mass", body.inertia.mass},
                       {"centre_of_mass", {com.x(), com.y(), com.z()}},

@@ -57,7 +57,7 @@ struct VisualShape {
   VisualType type = VisualType::kSphere;
   Vector3 size = Vector3::Zero();  ///< as CollisionShape's; capsule: (radius, half length between the centres
                                    ///< of its ends, 0), axis z; of a mesh: not used
-  std::string mesh;                ///< its file
+  std::string mesh;                ///< its file; empty if there is none: collision shapes stand in for it
   Vector3 scale = Vector3::Ones();      ///< metres per unit of the mesh, along its axes
   Pose X_BG = Pose::Identity();         ///< pose of the shape in the body frame
   std::optional<Eigen::Vector4d> rgba;  ///< 0..1, if stated

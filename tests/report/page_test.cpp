@@ -369,6 +369,14 @@ TEST_F(SceneOfMeshes, CollisionShapesStandInForAMeshThatIsNotReadBesideWhatIs) {
   const ordered_json scene = scene_document(robot, {}, {}, numbers);
   const auto body = static_cast<std::size_t>(colliding - robot.bodies.begin());
   EXPECT_EQ(scene.at("bodies").at(body).at("shapes").size(), 1 + colliding->shapes.size());
+  // So they do for one whose file is not there, twice in one body and said once.
+  mesh.mesh = "";
+  colliding->visuals = {mesh, box, mesh};
+  const ordered_json missing = scene_document(robot, {}, {}, numbers);
+  EXPECT_EQ(missing.at("bodies").at(body).at("shapes").size(), 1 + colliding->shapes.size());
+  ASSERT_EQ(missing.at("notes").size(), 1U);
+  EXPECT_EQ(missing.at("notes").at(0),
+            "a mesh of " + colliding->name + " is not there: collision shapes stand in for it");
 }
 
 TEST(Scene, LinksOfARobotWithoutAnyShapeAreSticks) {
@@ -377,6 +385,9 @@ TEST(Scene, LinksOfARobotWithoutAnyShapeAreSticks) {
     body.visuals.clear();
     body.shapes.clear();
   }
+  VisualShape missing;  // a mesh whose file is not there
+  missing.type = VisualType::kMesh;
+  robot.bodies[0].visuals = {missing};
   PageNumbers numbers;
   const ordered_json scene = scene_document(robot, {}, {}, numbers);
   // A stick ends where the next body's joint is: its half length on either side of its middle, along its

@@ -1,5 +1,6 @@
 // What a robot's file does not say and its shape does: legs, frame, feet, home pose and servos.
-// The rules were tried on two dozen real quadrupeds; docs/robots.md has them, docs/robots-measured.md what came of each.
+// The rules were tried on two dozen real quadrupeds; docs/robots.md has them, docs/robots-measured.md what
+// came of each.
 #pragma once
 
 #include <map>

@@ -101,22 +101,22 @@ void MjcfShapes::show(const MjcfGeom& geom, const Pose& X_BG, Body& body) {
     case MjcfGeomType::kOther:
       visual.type = VisualType::kMesh;
       visual.size = Vector3::Zero();
-      if (!set_visual_mesh(geom, visual)) return;
+      set_visual_mesh(geom, visual);
   }
   body.visuals.push_back(std::move(visual));
 }
 
-bool MjcfShapes::set_visual_mesh(const MjcfGeom& geom, VisualShape& visual) {
+void MjcfShapes::set_visual_mesh(const MjcfGeom& geom, VisualShape& visual) {
   const MjcfMesh& mesh = parts_.meshes.at(geom.mesh);
   const bool uniform = (mesh.scale.array() == mesh.scale[0]).all();
   if (mesh.written.empty() || (mesh.is_moved() && !uniform)) {
     warnings_.count("dropped ", " visual mesh(es) that are no file, or one turned and then stretched",
                     where(geom));
-    return false;
+    return;
   }
   if (mesh.file.empty()) {
     warnings_.count("dropped ", " visual mesh(es) whose file is not there", where(geom));
-    return false;
+    return;
   }
   // p = s R^T (v - p_ref)
   Pose X_GM = Pose::Identity();
@@ -125,7 +125,6 @@ bool MjcfShapes::set_visual_mesh(const MjcfGeom& geom, VisualShape& visual) {
   if (mesh.is_moved()) visual.X_BG = visual.X_BG * X_GM;
   visual.mesh = mesh.file;
   visual.scale = mesh.scale;
-  return true;
 }
 
 std::string MjcfShapes::where(const MjcfGeom& geom) const {

@@ -29,7 +29,7 @@ class MjcfShapes {
   void collide(const MjcfGeom& geom, const Pose& X_BG, Body& body);
   void show(const MjcfGeom& geom, const Pose& X_BG, Body& body);
   bool set_mesh(const MjcfGeom& geom, CollisionShape& shape);
-  bool set_visual_mesh(const MjcfGeom& geom, VisualShape& visual);
+  void set_visual_mesh(const MjcfGeom& geom, VisualShape& visual);
   void add_shape(const std::string& name, ShapeType type, const Vector3& size, const Pose& X_BG, Body& body);
   std::string where(const MjcfGeom& geom) const;
 

@@ -183,7 +183,7 @@ void SdfShapes::show(const SdfElement& visual, const Pose& X_BL, Body& body) {
   shown.rgba = colour_of(visual);
   CollisionShape simple;
   if (shape->tag == "mesh") {
-    if (!show_mesh(*shape, shown)) return;
+    show_mesh(*shape, shown);
   } else if (set_simple(*shape, simple)) {
     check_shape(simple, path_, where(visual));
     shown.type = visual_type(simple.type);
@@ -196,18 +196,15 @@ void SdfShapes::show(const SdfElement& visual, const Pose& X_BL, Body& body) {
   body.visuals.push_back(std::move(shown));
 }
 
-bool SdfShapes::show_mesh(const SdfElement& mesh, VisualShape& visual) {
+void SdfShapes::show_mesh(const SdfElement& mesh, VisualShape& visual) {
   const SdfElement& uri = sdf_needed(mesh, "uri");
   visual.type = VisualType::kMesh;
   visual.scale = sdf_vector(mesh, "scale", Vector3::Ones());
   const auto file = find_named_file(uri.text, *uri.file);
-  if (!file) {
+  visual.mesh = file.value_or("");
+  if (!file)
     warnings_.count("dropped ", " visual mesh(es) whose file is not there",
                     fmt::format("{} ('{}')", where(mesh), printable_text(uri.text, 200)));
-    return false;
-  }
-  visual.mesh = *file;
-  return true;
 }
 
 }  // namespace crossgait

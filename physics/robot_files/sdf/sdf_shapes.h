@@ -42,7 +42,7 @@ class SdfShapes {
   bool set_geometry(const SdfElement& shape, CollisionShape& collision);
   bool set_mesh(const SdfElement& mesh, CollisionShape& collision);
   void show(const SdfElement& visual, const Pose& X_BL, Body& body);
-  bool show_mesh(const SdfElement& mesh, VisualShape& visual);
+  void show_mesh(const SdfElement& mesh, VisualShape& visual);
   std::string where(const SdfElement& element) const { return sdf_place(element, path_); }
 
   const std::string& path_;

@@ -77,7 +77,7 @@ class VisualReader {
         warnings_.count("dropped ", " <visual> without a shape or with numbers that are none", where);
         return;
       }
-      if (shape.type == VisualType::kMesh && !find_file(shape.mesh, where)) return;
+      if (shape.type == VisualType::kMesh) find_file(shape.mesh, where);
       shape.X_BG = *origin;
       shape.rgba = colour_of(visual);
       shapes.push_back(std::move(shape));
@@ -135,15 +135,13 @@ class VisualReader {
     return radius && length;
   }
 
-  bool find_file(std::string& mesh, const std::string& where) {
+  /// Puts the file in the place of its name, or nothing if there is none.
+  void find_file(std::string& mesh, const std::string& where) {
     const auto file = find_named_file(mesh, path_);
-    if (!file) {
+    if (!file)
       warnings_.count("dropped ", " visual mesh(es) whose file is not there",
                       fmt::format("{} ('{}')", where, printable_text(mesh, 200)));
-      return false;
-    }
-    mesh = *file;
-    return true;
+    mesh = file.value_or("");
   }
 
   const std::string& path_;

@@ -64,18 +64,20 @@ class Shape:
 
 
 def shapes(robot: _core.Robot) -> list[Shape]:
-    """Visual shapes, and the collision shapes of bodies that have none which can be shown."""
-    found, seen = [], set()
+    """Visual shapes, and the collision shapes of bodies that have none, or one that cannot be shown."""
+    found, seen, dropped = [], set(), set()
     for visual in robot.visuals:
         mesh = Path(visual["mesh"]) if visual["type"] == "mesh" else None
         if mesh is not None and not (mesh.suffix.lower() in MEDIA_TYPES and mesh.is_file()):
-            warnings.warn(f"{mesh}: no viewer reads it; collision shapes are shown instead", stacklevel=3)
+            dropped.add(visual["body"])
+            if visual["mesh"]:  # of one without a file the robot's own warnings tell
+                warnings.warn(f"{mesh}: no viewer reads it; collision shapes are shown instead", stacklevel=3)
             continue
         rgba = _PLAIN if visual["rgba"] is None else visual["rgba"]
         found.append(_shape(visual, rgba, mesh, visual["scale"], np.empty((0, 3))))
         seen.add(visual["body"])
     for collision in robot.collisions:
-        if collision["body"] not in seen:
+        if collision["body"] not in seen or collision["body"] in dropped:
             found.append(_shape(collision, _PLAIN, None, np.ones(3), collision["vertices"]))
     return found
 

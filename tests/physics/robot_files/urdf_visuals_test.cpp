@@ -82,7 +82,12 @@ TEST_F(UrdfVisuals, ThatCannotBeShownAreDroppedAndCounted) {
       "<visual><geometry><mesh filename='b.stl'/></geometry></visual>",
       "");
   EXPECT_TRUE(robot.bodies[0].visuals.empty());
-  EXPECT_TRUE(robot.bodies[1].visuals.empty());
+  // A mesh without a file is known to be missing, so that collision shapes stand in for it.
+  ASSERT_EQ(robot.bodies[1].visuals.size(), 2U);
+  for (const VisualShape& mesh : robot.bodies[1].visuals) {
+    EXPECT_EQ(mesh.type, VisualType::kMesh);
+    EXPECT_EQ(mesh.mesh, "");
+  }
   EXPECT_EQ(
       robot.warnings,
       (std::vector<std::string>{
