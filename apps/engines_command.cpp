@@ -80,7 +80,9 @@ void add_engines_command(CLI::App& program, Invocation& invocation) {
       program.add_subcommand("engines", "List the physics engines, where they are, and why one is missing");
   command->footer(
       "\nEngines are plug-ins, libcrossgait_engine_<name>.so. Those in the folders that the environment\n"
-      "variable CROSSGAIT_ENGINE_PATH lists, separated by colons, come before the ones of the installation.");
+      "variable CROSSGAIT_ENGINE_PATH lists, separated by colons, come before the ones of the installation.\n"
+      "Beside them python:FILE.py is the engine that a Python file serves in a process of its own, and\n"
+      "python:drake the one of Crossgait's package (docs/engines-in-processes.md).");
   auto json = std::make_shared<JsonOption>();
   json->add_to(*command, invocation);
   on_run(*command, [json] { run(*json); });

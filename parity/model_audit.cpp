@@ -21,10 +21,11 @@ class Worst {
       : finding_{std::move(quantity), {}, 0, 0, std::move(unit)}, eps_(eps) {}
 
   /// @param scale  size that a relative tolerance of 1e-6 or 1000 eps refers to
-  /// @param rounding  absolute tolerance, beside 10 eps
+  /// @param rounding  absolute tolerance, beside 10 eps; 0: none, of what may be of any size
   void add(double a, double b, double scale, double rounding, const std::string& element) {
     compared_ = true;
-    const double allowed = std::max(std::max(1e-6, 1000 * eps_) * scale, rounding + 10 * eps_);
+    const double absolute = rounding > 0 ? rounding + 10 * eps_ : 0;
+    const double allowed = std::max(std::max(1e-6, 1000 * eps_) * scale, absolute);
     const double excess = std::abs(a - b) / allowed;
     if (excess <= 1 || excess <= worst_) return;
     worst_ = excess;
@@ -48,6 +49,11 @@ constexpr double kRounding = 1e-11;       // of numbers of order one that went t
 constexpr double kRayTolerance = 1e-5;    // m, of a ray test (Capabilities::exact_field_query)
 constexpr double kForceTolerance = 1e-3;  // solvers stop at their own tolerance
 constexpr double kStepTolerance = 1e-7;   // m/s and rad/s, over a step from 10 rad/s (joint stage, Newton)
+// In eps. A foot's friction may be found from what it changes of a velocity: eps of 256 m/s, the fastest that
+// one is slid at, beside the .6 g h = 6e-3 m/s of a step of 1 ms.
+constexpr double kFrictionRoundings = 256 / 6e-3;
+// In eps: of 10 rad/s, through the inverse of an inertia of a condition of a hundred.
+constexpr double kStepRoundings = 1000;
 
 std::string body_label(const PhysicsBackend& world, int body) {
   return "body " + world.robot().bodies[static_cast<std::size_t>(body)].name;
@@ -220,12 +226,14 @@ void audit_friction(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
     x[i] = probes::press_feet(a, sliding);
     y[i] = probes::press_feet(b, sliding);
   }
-  const auto tolerance = [](double ratio) { return kForceTolerance * std::max(0.1, ratio); };
+  const double eps = coarser_epsilon(a, b);
+  const auto tolerance = [eps](double ratio) {
+    return std::max(kForceTolerance, kFrictionRoundings * eps) * std::max(0.1, ratio);
+  };
   const auto limited = [&](const Feet& slower, const Feet& faster, Leg leg) {
     const double ratio = slower[leg].friction_ratio;
     return slower[leg].slip_after > kSlips && std::abs(faster[leg].friction_ratio - ratio) < tolerance(ratio);
   };
-  const double eps = coarser_epsilon(a, b);
   Worst friction("friction", "-", eps);
   for (const Leg leg : kLegs) {
     for (std::size_t i = 0; i + 1 < kSpeeds.size(); ++i) {
@@ -291,7 +299,8 @@ void audit_motion(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   const RobotState state = probes::swinging(a);
   const Eigen::VectorXd x = probes::swing(a, state), y = probes::swing(b, state);
   for (int i = 0; i < x.size(); ++i)
-    motion.add(x[i], y[i], 0, kStepTolerance, i < 6 ? body_label(a, 0) : joint_label(a, i - 6));
+    motion.add(x[i], y[i], 0, kStepTolerance + kStepRoundings * eps,
+               i < 6 ? body_label(a, 0) : joint_label(a, i - 6));
   motion.append_to(audit);
 }
 

@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kHighUp = 100;       // m above the highest ground: nothing touches
 constexpr double kPressDepth = 1e-3;  // m
+// Undone in one step a depth throws light feet off the ground at depth over step: 1 mm/s of this.
+constexpr double kThinPressDepth = 1e-6;  // m
 
 JointTargets targets_at(const RobotDescription& robot, const JointVector& q) {
   const std::vector<int> actuated = robot.actuated_joints();
@@ -116,6 +118,8 @@ ServoResponse servo_response(PhysicsBackend& world, int joint) {
 
 RobotState pressed(const PhysicsBackend& world, double speed) {
   const RobotDescription& robot = world.robot();
+  const Capabilities& can = world.info().capabilities;
+  const double depth = can.soft_contact || can.error_reduction ? kPressDepth : kThinPressDepth;
   RobotState state = world.home_state();
   std::vector<Pose> poses;
   forward_kinematics(robot, state, poses);
@@ -125,7 +129,7 @@ RobotState pressed(const PhysicsBackend& world, double speed) {
     const double radius = (*robot.legs)[leg].foot_radius;
     gap = std::min(gap, foot.z() - radius - world.spec().terrain.height(foot.x(), foot.y()));
   }
-  state.p_WB.z() -= gap + kPressDepth;
+  state.p_WB.z() -= gap + depth;
   state.v_WB.x() = speed;
   return state;
 }

@@ -35,7 +35,8 @@ struct PressedFoot {
   double slip_after =
       0;  ///< smallest speed along the ground of its points after the step, m/s: 0 where it sticks
 };
-/// Returns the robot at home, its feet up to 1 mm deep in the ground, sliding forward. @param speed m/s
+/// Returns the robot at home, its feet up to 1 mm deep in the ground, or 1 um where the engine declares
+/// nothing by which it would undo less than all of that in a step; sliding forward. @param speed m/s
 RobotState pressed(const PhysicsBackend& world, double speed);
 /// Takes one step from a pressed state. Both worlds are to start from the state of one.
 LegArray<PressedFoot> press_feet(PhysicsBackend& world, const RobotState& pressed);

@@ -68,6 +68,10 @@ std::vector<std::string> environment_with(std::string_view variable, const std::
   for (char** entry = environ; *entry != nullptr; ++entry)
     if (!std::string_view(*entry).starts_with(beginning)) result.emplace_back(*entry);
   result.push_back(beginning + value);
+  // One request at a time: more threads of a library of linear algebra wait for one another, and sum in
+  // another order.
+  for (const char* threads : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"})
+    if (std::getenv(threads) == nullptr) result.push_back(fmt::format("{}=1", threads));
   return result;
 }
 

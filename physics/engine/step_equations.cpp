@@ -48,16 +48,16 @@ double StepEquations::Law::impedance(double violation) const noexcept {
 }
 
 // Rows of the point's velocity and of the turning; the base's velocity is that of its centre of mass.
-Eigen::MatrixXd StepEquations::full_jacobian(int body, const Vector3& p_WP) const {
-  const Pose& X_WB = poses_[static_cast<std::size_t>(body)];
-  Eigen::MatrixXd J = point_jacobian(*spec_.robot, poses_, body, X_WB.inverse() * p_WP);
-  const Vector3 p_BC_W = poses_[0].linear() * spec_.robot->bodies[0].inertia.p_BC;
-  J.middleCols<3>(3) += J.leftCols<3>() * cross_matrix(p_BC_W);  // v_WB = v_WC - w x p_BC
+Eigen::MatrixXd StepEquations::full_jacobian(int body, const Vector3& p_BP) const {
+  Eigen::MatrixXd J = point_jacobian(*spec_.robot, poses_, body, p_BP);
+  // As point_jacobian has it, so that a push at the base's centre of mass has no lever to the last digit.
+  const Vector3 arm = poses_[0] * spec_.robot->bodies[0].inertia.p_BC - poses_[0].translation();
+  J.middleCols<3>(3) += J.leftCols<3>() * cross_matrix(arm);  // v_WB = v_WC - w x arm
   return J;
 }
 
 Eigen::MatrixXd StepEquations::jacobian(int body, const Vector3& p_WP) const {
-  return full_jacobian(body, p_WP).topRows<3>();
+  return full_jacobian(body, poses_[static_cast<std::size_t>(body)].inverse() * p_WP).topRows<3>();
 }
 
 void StepEquations::update(const RobotState& state) {
@@ -95,7 +95,7 @@ void StepEquations::add_bodies(const RobotState& state) {
     }
     const Vector3 a_C = drifts[i].a + drifts[i].alpha.cross(way_C) + w.cross(w.cross(way_C));
     const Matrix3 I_W = poses_[i].linear() * inertia.I_C * poses_[i].linear().transpose();
-    const Eigen::MatrixXd J = full_jacobian(static_cast<int>(i), poses_[i].translation() + way_C);
+    const Eigen::MatrixXd J = full_jacobian(static_cast<int>(i), inertia.p_BC);
     const auto J_v = J.topRows<3>(), J_w = J.bottomRows<3>();
     M_.noalias() += inertia.mass * J_v.transpose() * J_v + J_w.transpose() * I_W * J_w;
     bias_.noalias() += J_v.transpose() * (inertia.mass * (a_C - spec_.gravity)) +
@@ -119,7 +119,8 @@ void StepEquations::add_loops(const JointVector& q) {
     const LoopClosure& loop = robot.loops[i];
     const Vector3 p_WA = poses_[static_cast<std::size_t>(loop.body_a)] * loop.p_AP,
                   p_WB = poses_[static_cast<std::size_t>(loop.body_b)] * loop.p_BP;
-    add_soft_row(of_loops_[i], jacobian(loop.body_a, p_WA) - jacobian(loop.body_b, p_WB), p_WA - p_WB);
+    const Eigen::MatrixXd J = full_jacobian(loop.body_a, loop.p_AP) - full_jacobian(loop.body_b, loop.p_BP);
+    add_soft_row(of_loops_[i], J.topRows<3>(), p_WA - p_WB);
   }
   for (std::size_t i = 0; i < of_couplings_.size(); ++i) {
     const JointCoupling& coupling = robot.couplings[i];

@@ -50,7 +50,7 @@ class StepEquations {
     double impedance(double violation) const noexcept;
   };
   Law law_of(const Softness& soft, double inverse_weight) const;
-  Eigen::MatrixXd full_jacobian(int body, const Vector3& p_WP) const;
+  Eigen::MatrixXd full_jacobian(int body, const Vector3& p_BP) const;
   void add_bodies(const RobotState& state);
   void add_loops(const JointVector& q);
   void add_soft_row(const Law& law, const Eigen::MatrixXd& J, const Eigen::VectorXd& gap);

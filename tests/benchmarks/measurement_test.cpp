@@ -20,8 +20,9 @@ class Analytic : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Analytic);
 
 TEST_P(Analytic, FreeFallIsLateByHalfAStep) {
+  // Up to 1000 additions to a number of size 30, each rounded by up to 16 eps.
   for (const double h : {4e-3, 1e-3})
-    EXPECT_NEAR(scenes::free_fall_error(find_engine(GetParam()), h), 9.81 * h / 2, 1e-11);
+    EXPECT_NEAR(scenes::free_fall_error(find_engine(GetParam()), h), 9.81 * h / 2, 16000 * eps());
 }
 
 TEST_P(Analytic, OrdersAreThoseOfSemiImplicitEuler) {
@@ -34,8 +35,15 @@ TEST_P(Analytic, OrdersAreThoseOfSemiImplicitEuler) {
   ASSERT_EQ(results.size(), 4U);
   for (const Convergence& c : results) {
     ASSERT_EQ(c.error.size(), c.step_s.size());
+    const int order = c.quantity == "pendulum_period" ? 2 : 1;
+    // Errors of second order that are no larger than what rounding of a thousand steps comes to show none.
+    const double rounding = 1000 * eps();
+    if (order == 2 && *std::ranges::min_element(c.error) < rounding) {
+      EXPECT_LT(*std::ranges::max_element(c.error), 2 * rounding);
+      continue;
+    }
     // At 4 ms a body that turns by 11 rad/s is 4 % of a radian further: so much of the next order shows.
-    EXPECT_NEAR(c.order, c.quantity == "pendulum_period" ? 2 : 1, 0.05) << c.quantity;
+    EXPECT_NEAR(c.order, order, 0.05) << c.quantity;
   }
 }
 

@@ -137,7 +137,8 @@ TEST_P(Environment, EndsByTiltingAndByLeavingTheGround) {
   const Outcome outcome = leaving.info().outcome;
   EXPECT_TRUE(outcome == Outcome::kLeftTerrain || outcome == Outcome::kFell ||
               outcome == Outcome::kLoopViolated);
-  EXPECT_GT(leaving.info().distance, 0.15);
+  // Its feet are over the edge when it has come half as far.
+  EXPECT_GT(leaving.info().distance, 0.1);
   EXPECT_EQ(r.reward, -10);
   for (const double x : seen) EXPECT_TRUE(std::isfinite(x));
 }
@@ -329,7 +330,14 @@ TEST_P(Environment, NothingMovesBeforeTheFirstReset) {
   std::vector<double> seen(env.observation_size());
   const RobotState before = env.world().state();
   EXPECT_EQ(before.time, 0);
-  EXPECT_TRUE(scenes::identical(before, env.world().home_state()));
+  // As a reset leaves it: the numbers of the engine that are next to those of the home pose.
+  const RobotState home = env.world().home_state();
+  EXPECT_LE((before.p_WB - home.p_WB).lpNorm<Eigen::Infinity>(), 4 * eps());
+  EXPECT_LE((before.q_WB.coeffs() - home.q_WB.coeffs()).lpNorm<Eigen::Infinity>(), 4 * eps());
+  EXPECT_LE((before.q - home.q).lpNorm<Eigen::Infinity>(), 4 * eps());
+  EXPECT_EQ(before.qd, home.qd);
+  EXPECT_EQ(before.v_WB, home.v_WB);
+  EXPECT_EQ(before.w_WB, home.w_WB);
   EXPECT_THROW(env.step(zeros(env), seen), ConfigError);
   EXPECT_THROW((void)env.save(), ConfigError);
   EnvConfig randomised;

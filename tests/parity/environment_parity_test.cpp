@@ -158,6 +158,10 @@ INSTANTIATE_TEST_SUITE_P(EveryEngine, GoldenObservations, ::testing::ValuesIn(ow
 
 // Meant changes of physics, gait or layout: run with CROSSGAIT_WRITE_GOLDEN=1 and look at the difference.
 TEST_P(GoldenObservations, AreAsRecorded) {
+  // 400 ms of contact make 1e-6 of the last bit of another machine's float64, and something else of
+  // float32's.
+  if (capabilities().precision != Precision::kFloat64)
+    GTEST_SKIP() << "needs: Capabilities::precision is float64";
   const std::string path =
       CROSSGAIT_SOURCE_DIR "/tests/parity/golden/" + name_of(find_engine(GetParam()).info.laws) + ".csv";
   const Recording run = golden_run(GetParam());

@@ -116,7 +116,7 @@ std::vector<PlantedFault> planted_faults() {
        },
        "height of the ground", "(", "rough:seed=1,size_x=0.8,size_y=0.8"},
       {"loops twice as soft", of_robot([](R& r) { r.loop_softness.time_constant *= 2; }), "motion in the air",
-       ""},
+       "", "flat", true},
   };
 }
 

@@ -16,6 +16,7 @@ struct PlantedFault {
   std::function<void(WorldSpec&)> plant;
   std::string quantity, element;
   std::string terrain = "flat";
+  bool needs_soft_loops = false;  ///< it changes nothing where Laws::loops is not "mujoco"
 };
 
 /// Makes a change of the robot alone. The description is shared, so it is copied.

@@ -72,7 +72,8 @@ class TreeEngine:
 def rotated(q: Array, v: Array) -> Array:
     """Return a vector turned by a unit quaternion."""
     twice: Array = 2 * np.cross(q[1:], v)
-    return v + q[0] * twice + np.cross(q[1:], twice)
+    result: Array = v + q[0] * twice + np.cross(q[1:], twice)
+    return result
 
 
 def turned(q: Array, way: Array) -> Array:
