@@ -49,9 +49,18 @@ class TraceFolder {
   std::filesystem::path path_;
 };
 
+/// Says how a walk ended, and when that was known, as the painter takes it: "fell@1.67"; at its end what is
+/// known there alone.
+std::string outcome_of(const WalkRun& run) {
+  const MotionSummary& summary = run.summary;
+  const std::optional<double> at = summary.first_at_s[static_cast<std::size_t>(summary.outcome)];
+  return fmt::format("{}@{}", outcome_row(summary.outcome).words, at.value_or(summary.simulated_seconds));
+}
+
+/// Walks in every engine. @returns the painter's arguments: outcomes, and traces behind "--"
 std::vector<std::string> walk_and_trace(const VideoCommand& options, const TraceFolder& folder) {
   const LoadedWalk loaded = options.walk.make();
-  std::vector<std::string> files;
+  std::vector<std::string> files{"--"}, outcomes;
   const std::vector<std::string> engines =
       options.engines.empty() ? std::vector{available_engines().front()} : options.engines;
   for (const std::string& engine : engines) {
@@ -63,16 +72,22 @@ std::vector<std::string> walk_and_trace(const VideoCommand& options, const Trace
         *world, loaded.config.setup(), [&](double share) { progress.update(share); }, &trace);
     trace.finish();
     if (run.interrupted) throw EndedEarly("there is no film");
+    outcomes.push_back("--outcome=" + outcome_of(run));
   }
-  return files;
+  outcomes.insert(outcomes.end(), files.begin(), files.end());
+  return outcomes;
 }
 
 void run(const VideoCommand& options) {
   constexpr const char* kModule = "crossgait.traces.video";
   require_python_module("video", kModule, "video");
   const TraceFolder folder;
-  const std::vector<std::string> traces =
-      options.traces.empty() ? walk_and_trace(options, folder) : options.traces;
+  std::vector<std::string> what = options.traces;
+  if (what.empty()) {
+    what = walk_and_trace(options, folder);
+  } else {
+    what.insert(what.begin(), "--");
+  }
   const WalkConfig& world = options.walk.config;
   std::vector<std::string> command{"--out=" + options.out};
   command.push_back("--robot=" + world.robot);
@@ -85,8 +100,7 @@ void run(const VideoCommand& options) {
   command.push_back(fmt::format("--azimuth={}", options.azimuth));
   command.push_back(fmt::format("--elevation={}", options.elevation));
   if (options.shared_camera) command.emplace_back("--shared-camera");
-  command.emplace_back("--");
-  command.insert(command.end(), traces.begin(), traces.end());
+  command.insert(command.end(), what.begin(), what.end());
   print(run_python_module(kModule, command).out);
 }
 

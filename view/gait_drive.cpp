@@ -11,7 +11,8 @@
 namespace crossgait {
 namespace {
 
-// At the reference height: what the fastest gaits of docs/gaits-measured.md reach, and a turn in four seconds.
+// At the reference height: what the fastest gaits of docs/gaits-measured.md reach, and a turn in four
+// seconds.
 constexpr double kForward = 0.6, kLeft = 0.25, kYawRate = 1.5;
 constexpr double kPushSpeed = 1;  // m/s, change of the whole robot's speed
 

@@ -213,6 +213,14 @@ def test_a_mesh_that_cannot_be_read_is_told(tmp_path: Path, monkeypatch: pytest.
     balls = sum(shape["body"] == 0 for shape in scara.collisions)
     assert trunk.geomnum[0] == balls + balls + scara.parents.count(0)  # with a stick to each, and to each leg
 
+    # Beside what can be drawn, too, and without a word where there is no file.
+    mixed = Unreadable()
+    mixed.visuals[-1]["mesh"] = ""
+    mixed.visuals.append(scara.visuals[0] | {"type": "box", "size": np.full(3, 5e-4)})
+    spec = mujoco_scene.mujoco.MjSpec()
+    mujoco_scene._add_robot(spec, mixed)  # type: ignore[arg-type]
+    assert spec.compile().body("body 0").geomnum[0] == 1 + balls
+
 
 def test_meshes_and_hulls_are_drawn(tmp_path: Path) -> None:
     from crossgait.viewing import mujoco_scene

@@ -14,14 +14,20 @@ class Video : public ::testing::Test {
  protected:
   void TearDown() override { unsetenv("CROSSGAIT_PYTHON"); }
 
+  /// Names a file of this test alone: others run at the same time, in the same folder.
+  static std::string file(const std::string& name) {
+    return std::string("video_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" +
+           name;
+  }
+
   /// Instead of an interpreter: keeps what it was told, and ends with `code`.
-  void draw_with(int code) {
-    write_file("video_python.sh",
-               "#!/bin/sh\n[ \"$1\" = -c ] && exit 0\nprintf '%s\\n' \"$@\" >video_told.txt\n"
-               "for last; do :; done\nhead -n 1 \"$last\" >video_head.txt\necho drawn\nexit " +
-                   std::to_string(code) + "\n");
-    std::filesystem::permissions("video_python.sh", std::filesystem::perms::owner_all);
-    setenv("CROSSGAIT_PYTHON", "./video_python.sh", 1);
+  static void draw_with(int code) {
+    const std::string python = file("python.sh");
+    write_file(python, "#!/bin/sh\n[ \"$1\" = -c ] && exit 0\nprintf '%s\\n' \"$@\" >" + file("told.txt") +
+                           "\nfor last; do :; done\nhead -n 1 \"$last\" >" + file("head.txt") +
+                           "\necho drawn\nexit " + std::to_string(code) + "\n");
+    std::filesystem::permissions(python, std::filesystem::perms::owner_all);
+    setenv("CROSSGAIT_PYTHON", ("./" + python).c_str(), 1);
   }
 };
 
@@ -31,11 +37,12 @@ TEST_F(Video, WalksAndHandsOverTheTraces) {
       run_program("video video_out.mp4 --seconds .1 --terrain rough --seed 3 --slow 2");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out, "drawn\n");
-  const std::string told = read_file("video_told.txt");
-  for (const char* word : {"-m\ncrossgait.traces.video\n", "--out=video_out.mp4\n", "--terrain=rough\n",
-                           "--seed=3\n", "--slow=2\n", "--fps=30\n", "--robot=scara_quadruped\n"})
+  const std::string told = read_file(file("told.txt"));
+  for (const char* word :
+       {"-m\ncrossgait.traces.video\n", "--out=video_out.mp4\n", "--terrain=rough\n", "--seed=3\n",
+        "--slow=2\n", "--fps=30\n", "--robot=scara_quadruped\n", "--outcome=walked@0.1\n"})
     EXPECT_NE(told.find(word), std::string::npos) << told;
-  EXPECT_EQ(read_file("video_head.txt").substr(0, 5), "time,");
+  EXPECT_EQ(read_file(file("head.txt")).substr(0, 5), "time,");
   const std::string trace = told.substr(told.rfind('/', told.rfind('\n') - 1) + 1);
   EXPECT_TRUE(trace.ends_with(".csv\n")) << trace;
   const std::size_t begin = told.find("\n--\n") + 4;

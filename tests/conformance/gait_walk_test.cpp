@@ -39,9 +39,9 @@ CROSSGAIT_FOR_EVERY_BACKEND(GaitWalk);
 
 TEST_P(GaitWalk, EveryGaitWalksForwardForTwentySeconds) {
   // Shares of the nominal speed that are asked for, and how much of their swings feet may drag at most: some
-  // less, and some more, than was measured in the worse engine (docs/gaits-measured.md), to see a gait get worse
-  // without pinning how well it does; for trot and bound what is asked of them (0.97 and 0.94 were measured).
-  // The guide's drag, which is why they are not the default.
+  // less, and some more, than was measured in the worse engine (docs/gaits-measured.md), to see a gait get
+  // worse without pinning how well it does; for trot and bound what is asked of them (0.97 and 0.94 were
+  // measured). The guide's drag, which is why they are not the default.
   struct Bound {
     double least_speed, most_swing_contact;
   };

@@ -35,7 +35,8 @@ TEST_P(ViewSessionTest, StandsUntilItIsDriven) {
   EXPECT_LT(state_of(*session_).p_WB.head<2>().norm(), 5e-3);  // settling, a few mm at most
   tell(*session_, kForward);
   session_->advance(3 * kSecond);
-  // 0.6 m were asked for; the trot makes more than half of any speed in every engine (docs/gaits-measured.md).
+  // 0.6 m were asked for; the trot makes more than half of any speed in every engine
+  // (docs/gaits-measured.md).
   EXPECT_GT(state_of(*session_).p_WB.x(), 0.3);
   EXPECT_EQ(session_->instances().front()->outcome(), Outcome::kWalked);
   tell(*session_, R"({"do": "drive", "vx": 0, "vy": 0, "yaw_rate": 0})");

@@ -46,9 +46,10 @@ def write(
     distance: float | None = None,
     look_at: Sequence[float] | None = None,
     shared_camera: bool = False,
+    outcomes: Sequence[tuple[str, float]] | None = None,
     progress: Progress | bool | None = None,
 ) -> None:
-    """Write walks as a film, one panel a trace, each with its name and how far it came.
+    """Write walks as a film, one panel a trace, each with its name, how far it came, and how it ended.
 
     Args:
         traces: of one robot; those that end sooner stand still at their end.
@@ -65,10 +66,12 @@ def write(
         look_at: what cameras that stand still look at, m; None for cameras that go along.
         shared_camera: all panels look at the middle of all robots, from where all are seen, so that one that slides
             back does not look like one that walks.
+        outcomes: of each trace, in their order, a word for it ("fell") and when its panel begins to say so, s since the
+            trace began; None for traces of which nothing is known.
         progress: as `crossgait.walk` takes it.
 
     Raises:
-        ConfigError: for another ending, a trace of another robot, or one without rows.
+        ConfigError: for another ending, a trace of another robot, one without rows, or outcomes of some alone.
         RuntimeError: where no graphics context can be made.
 
     """
@@ -77,13 +80,15 @@ def write(
         if len(trace) == 0:
             raise ConfigError(trace.name or "trace", "rows", "one at least", "none")
         the_robot(trace, robot)
+    if outcomes is not None and len(outcomes) != len(traces):
+        raise ConfigError("film", "outcomes", f"one for each of {len(traces)} traces", str(len(outcomes)))
     size = (width - width % _EVEN, height - height % _EVEN)
     camera: dict[str, Any] = {"azimuth": azimuth, "elevation": elevation, "distance": distance, "look_at": look_at}
     renderers = [Renderer(robot, terrain, width=size[0], height=size[1], **camera) for _ in traces]
     told = shown(progress)
     try:
         with written_whole(path) as beside, film.writer(beside, fps) as sink:
-            for frame in _frames(traces, robot, renderers, fps * slow, shared_camera, told):
+            for frame in _frames(traces, robot, renderers, fps * slow, shared_camera, outcomes, told):
                 sink.append_data(frame)
     finally:
         for renderer in renderers:
@@ -98,19 +103,25 @@ def _frames(
     renderers: Sequence[Renderer],
     per_second: float,
     shared_camera: bool,
+    outcomes: Sequence[tuple[str, float]] | None,
     told: Any,
 ) -> Iterator[Frame]:
     """Panels beside each other, `per_second` for each simulated second."""
     begin = min(float(trace.time[0]) for trace in traces)
     end = max(float(trace.time[-1]) for trace in traces)
     count = max(1, round((end - begin) * per_second))
+    ends = outcomes if outcomes is not None else [("", end)] * len(traces)
     for number in range(count):
         now = begin + number / per_second
         states = [_state(trace, robot, now) for trace in traces]
         look = _shared_look(states) if shared_camera else (None, 0.0)
+        last = number == count - 1  # says what is known at the end alone
         panels = [
-            _named(renderer.frame(state, *look), _words(trace, state) if len(traces) > 1 else "")
-            for trace, state, renderer in zip(traces, states, renderers, strict=True)
+            _named(
+                renderer.frame(state, *look),
+                _words(trace, state, word if last or now - trace.time[0] >= at else "") if len(traces) > 1 else "",
+            )
+            for trace, state, renderer, (word, at) in zip(traces, states, renderers, ends, strict=True)
         ]
         yield np.concatenate(panels, axis=1)
         if told is not None:
@@ -124,9 +135,10 @@ def _shared_look(states: Sequence[_core.State]) -> tuple[Numbers, float]:
     return (low + high) / 2, float(np.linalg.norm(high - low))
 
 
-def _words(trace: TraceTable, state: _core.State) -> str:
-    """Name and the way forward along x since the trace began."""
-    return f"{trace.name} {state.p_WB[0] - trace['p_WB.x'][0]:+.2f} m"
+def _words(trace: TraceTable, state: _core.State, outcome: str) -> str:
+    """Name, the way forward along x since the trace began, and the outcome where there is one by now."""
+    way = f"{trace.name} {state.p_WB[0] - trace['p_WB.x'][0]:+.2f} m"
+    return f"{way}, {outcome}" if outcome else way
 
 
 def _state(trace: TraceTable, robot: _core.Robot, now: float) -> _core.State:
@@ -151,6 +163,11 @@ def _named(frame: Frame, name: str) -> Frame:
     return np.asarray(picture)
 
 
+def _outcome(text: str) -> tuple[str, float]:
+    words, _, seconds = text.rpartition("@")
+    return words, float(seconds)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m crossgait.traces.video", description=__doc__)
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv")
@@ -165,6 +182,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--azimuth", type=float, default=130)
     parser.add_argument("--elevation", type=float, default=-20)
     parser.add_argument("--shared-camera", action="store_true")
+    parser.add_argument(
+        "--outcome", action="append", type=_outcome, metavar="WORDS@SECONDS", help="of each trace in turn"
+    )
     return parser
 
 
@@ -185,6 +205,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             azimuth=options.azimuth,
             elevation=options.elevation,
             shared_camera=options.shared_camera,
+            outcomes=options.outcome,
             progress=None,
         )
     except (ConfigError, OSError) as error:

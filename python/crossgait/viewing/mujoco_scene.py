@@ -173,21 +173,24 @@ def _add_robot(spec: mujoco.MjSpec, robot: _core.Robot) -> None:
     bodies = [spec.worldbody.add_body(name=f"body {i}", mocap=True) for i in range(len(robot.bodies))]
     balls = set(range(len(bodies)))  # of which nothing but balls is drawn, or nothing
     meshes: dict[tuple[str, tuple[float, ...]], str | None] = {}
-    unseen = set(range(len(bodies)))
+    unseen, dropped = set(range(len(bodies))), set[int]()
     for shape in robot.visuals:
         mesh = None
         if shape["type"] == "mesh":
             key = (shape["mesh"], tuple(shape["scale"]))
             if key not in meshes:
-                meshes[key] = _add_mesh(spec, f"mesh {len(meshes)}", *key)
+                # Of a file that is not there the robot's warnings tell.
+                meshes[key] = _add_mesh(spec, f"mesh {len(meshes)}", *key) if shape["mesh"] else None
             mesh = meshes[key]
             if mesh is None:
+                dropped.add(shape["body"])
                 continue
         _add_shape(bodies[shape["body"]], shape, mesh, shape["rgba"])
         unseen.discard(shape["body"])
         balls.discard(shape["body"])
+    bare = unseen | dropped
     for i, shape in enumerate(robot.collisions):
-        if shape["body"] in unseen:
+        if shape["body"] in bare:
             mesh = _add_hull(spec, f"hull {i}", shape["vertices"]) if shape["type"] == "hull" else None
             _add_shape(bodies[shape["body"]], shape, mesh, None)
             if shape["type"] != "sphere":
