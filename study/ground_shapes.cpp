@@ -157,16 +157,16 @@ bool GroundShapes::add_hull(const std::vector<Vector3>& vertices) {
   return hull.error <= kSmallestGap;
 }
 
-bool GroundShapes::add_field(GroundField own, const Pose& X_WG) {
+bool GroundShapes::add_field(GroundField field, const Pose& X_WG) {
   if (X_WG.linear()(2, 2) < 1 - kOnBorder) return false;
-  const auto field = std::make_shared<const GroundField>(std::move(own));
-  const double x = field->field.size_x() / 2, y = field->field.size_y() / 2;
+  const auto ground = std::make_shared<const GroundField>(std::move(field));
+  const double x = ground->field.size_x() / 2, y = ground->field.size_y() / 2;
   add(X_WG, {x, y, 0}, [=](double px, double py) -> MaybeHeights {
     // On the border is on it, whatever turning it there rounded to.
     const Vector3 p = X_WG.linear().transpose() * (Vector3(px, py, 0) - X_WG.translation());
     if (std::abs(p.x()) > x + kOnBorder || std::abs(p.y()) > y + kOnBorder) return std::nullopt;
     const double z = X_WG.translation().z();
-    return HeightRange{z - field->base, z + field->field.height(p.x(), p.y())};
+    return HeightRange{z - ground->base, z + ground->field.height(p.x(), p.y())};
   });
   return true;
 }
