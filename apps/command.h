@@ -39,6 +39,7 @@ namespace crossgait::apps {
   COMMAND(transfer)                 \
   COMMAND(import)                   \
   COMMAND(diagnose)                 \
+  COMMAND(score)                    \
   COMMAND(course)                   \
   COMMAND(tune)                     \
   COMMAND(rerun)                    \

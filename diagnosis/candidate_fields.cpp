@@ -12,6 +12,9 @@ constexpr bool kPhysics = true, kContract = false;
 constexpr std::array kRows{
     FieldRow{"joints.order", "which joint each number of action and observation is", kContract, 10,
              fields::joint_order},
+    FieldRow{"joints.observed",
+             "which joint each number of the observation is, in another order than the action's", kContract,
+             10, fields::joints_observed},
     FieldRow{"joints.signs", "which way joints turn", kContract, 2, fields::joint_signs},
     FieldRow{"joints.home", "default pose", kContract, 4, fields::joint_home},
     FieldRow{"joints.offset", "targets of the zero action", kContract, 4, fields::joint_offset},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "diagnosis/import_table.h"
 #include <fmt/format.h>
@@ -71,33 +72,61 @@ std::vector<Candidate> search_singles(Search& search, std::vector<Candidate>& gl
   return walk_best(search, std::move(best), part_of(progress, 0.7, 1));
 }
 
-// Changes of a second field on top of the best first ones.
-std::vector<Candidate> search_pairs(Search& search, const std::vector<Candidate>& glanced,
-                                    const Progress& progress) {
-  constexpr std::size_t kFirst = 4, kEach = 6, kTuned = 3;
+// Changes of a second field on top of some first ones.
+std::vector<Candidate> search_pairs_of(Search& search, std::span<const Candidate> firsts,
+                                       const Progress& progress) {
+  constexpr std::size_t kEach = 6, kTuned = 3;
   std::vector<Candidate> best;
+  const double share = 0.8 / static_cast<double>(firsts.size());
   double done = 0;
-  for (const Candidate& first : best_of_fields(glanced, &Candidate::glance, 1, kFirst)) {
-    if (done >= 0.8) break;  // suspect fields come beside those
+  for (const Candidate& first : firsts) {
     std::vector<Candidate> seconds = search.changes(&first);
-    search.glance(seconds, part_of(progress, done, done + 0.6 / kFirst));
+    search.glance(seconds, part_of(progress, done, done + 0.75 * share));
     seconds = best_of_fields(std::move(seconds), &Candidate::glance, 1, kEach);
-    tune(search, seconds, kTuned, part_of(progress, done + 0.6 / kFirst, done + 0.8 / kFirst));
-    done += 0.8 / kFirst;
+    tune(search, seconds, kTuned, part_of(progress, done + 0.75 * share, done + share));
+    done += share;
     append(std::move(seconds), best);
   }
   return walk_best(search, std::move(best), part_of(progress, 0.8, 1));
 }
 
-// Changes of one field; of two where none cures, or leaves a score that only policies of bad habits have.
-std::vector<Candidate> search_all(Search& search, const Progress& progress) {
+// Whether it leaves a score that only policies of good habits have.
+bool settles(const Candidate& candidate, const Search& search) {
   constexpr double kDoubtful = 0.5;
+  return cures(candidate, search) && candidate.whole->mean() < kDoubtful;
+}
+
+bool any_settles(const std::vector<Candidate>& candidates, const Search& search) {
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [&search](const Candidate& candidate) { return settles(candidate, search); });
+}
+
+// Changes of two fields: on top of the best first ones and, as long as none settles it, of the next best.
+// What keeps a robot from falling by keeping it from walking comes before half of a true pair, so that a few
+// are not enough.
+std::vector<Candidate> search_pairs(Search& search, const std::vector<Candidate>& glanced,
+                                    const Progress& progress) {
+  constexpr std::size_t kTogether = 4, kMost = 12;
+  std::vector<Candidate> firsts = best_of_fields(glanced, &Candidate::glance, 1, kMost);
+  if (firsts.size() > kMost) firsts.resize(kMost);  // suspect fields come beside the best
+  std::vector<Candidate> found;
+  for (std::size_t i = 0; i < firsts.size() && !any_settles(found, search); i += kTogether) {
+    const std::size_t count = std::min(kTogether, firsts.size() - i);
+    const auto share = [&](std::size_t k) {
+      return static_cast<double>(k) / static_cast<double>(firsts.size());
+    };
+    append(search_pairs_of(search, std::span(firsts).subspan(i, count),
+                           part_of(progress, share(i), share(i + count))),
+           found);
+  }
+  return found;
+}
+
+// Changes of one field; of two where none settles it.
+std::vector<Candidate> search_all(Search& search, const Progress& progress) {
   std::vector<Candidate> glanced;
   std::vector<Candidate> found = search_singles(search, glanced, part_of(progress, 0, 0.4));
-  const auto settles = [&search](const Candidate& candidate) {
-    return cures(candidate, search) && candidate.whole->mean() < kDoubtful;
-  };
-  if (std::any_of(found.begin(), found.end(), settles)) return found;
+  if (any_settles(found, search)) return found;
   append(search_pairs(search, glanced, part_of(progress, 0.4, 1)), found);
   return found;
 }

@@ -10,12 +10,22 @@
 #include "policy/bundled_policies.h"
 
 namespace crossgait {
+namespace {
+
+std::filesystem::path table_of(const std::string& policy) {
+  return std::filesystem::path(find_policy_file(policy)).parent_path() / "import.json";
+}
+
+}  // namespace
+
+bool is_imported(const std::string& policy) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(table_of(policy), error);
+}
 
 std::vector<std::string> unstated_fields(const std::string& policy) {
-  const std::filesystem::path file =
-      std::filesystem::path(find_policy_file(policy)).parent_path() / "import.json";
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) return {};
+  if (!is_imported(policy)) return {};
+  const std::filesystem::path file = table_of(policy);
   const std::string text = read_text_file(file.string(), kResultBudget);
   check_json_budget(text, kResultBudget, file.string());
   try {

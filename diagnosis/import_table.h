@@ -11,4 +11,7 @@ namespace crossgait {
 /// @param policy  as `load_policy` takes it  @throws ConfigError for a table that cannot be read
 std::vector<std::string> unstated_fields(const std::string& policy);
 
+/// Tells whether `crossgait import` made the policy's folder. @throws ConfigError as `unstated_fields`
+bool is_imported(const std::string& policy);
+
 }  // namespace crossgait

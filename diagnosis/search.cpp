@@ -13,6 +13,11 @@ constexpr std::size_t kSeeds = 3;
 const std::string kAnd = " + ";  // between two changes
 constexpr double kWholeSeconds = 3, kGlanceSeconds = 2;
 
+bool moves(const WalkCommand& command) {
+  const VelocityCommand& v = command.velocity;
+  return v.vx != 0 || v.vy != 0 || v.yaw_rate != 0;
+}
+
 }  // namespace
 
 bool Suspicion::is_unstated(const std::string& field) const {
@@ -41,14 +46,19 @@ WalkResult Search::examine() {
   ++configurations_;
   WalkResult result;
   std::vector<WalkResult> parts(whole_.commands.size());
+  bool walks_as_asked = true;
   pool_.run(parts.size(), [&](std::size_t c) {
     parts[c] =
         run_walks(environment_.with(base_), policy_, {{whole_.commands[c]}, kSeeds, kWholeSeconds, 0}, seed_);
   });
+  for (std::size_t c = 0; c < parts.size(); ++c)
+    walks_as_asked = walks_as_asked && (!moves(whole_.commands[c]) || does_what_is_asked(parts[c], kSeeds));
   double worst = 0;
   for (std::size_t c = 0; c < parts.size(); ++c) {
     for (std::size_t k = 0; k < kSeeds; ++k) {
-      if (parts[c].scores[k] <= worst) continue;
+      // Whatever keeps a robot from moving makes it stand well: that says nothing as long as it has to walk.
+      const bool tells = walks_as_asked || moves(whole_.commands[c]);
+      if (!tells || parts[c].scores[k] <= worst) continue;
       worst = parts[c].scores[k];
       glance_.commands = {whole_.commands[c]};
       glance_.first = once_.first = k;

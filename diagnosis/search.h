@@ -46,7 +46,8 @@ class Search {
   const WalkTest& whole_test() const noexcept { return whole_; }
   std::size_t configurations() const noexcept { return configurations_; }
 
-  /// Walks the patient as it is. From then on a glance is the command that it does worst.
+  /// Walks the patient as it is. From then on a glance is the command that it does worst: of those to
+  /// move, unless it does all of these as asked.
   WalkResult examine();
   /// Lists every change that the table has for `before`, a candidate or the base, but of fields that it has
   /// changed.

@@ -17,6 +17,7 @@ namespace {
 constexpr double kSetOffSeconds = 1;     // in which a robot comes from standing to its speed
 constexpr double kReferenceSpeed = 0.3;  // m/s, where next to none is asked for
 constexpr double kReferenceTurn = 0.4;   // rad/s
+constexpr double kLean = 0.3;            // rad, beyond what walking robots do
 
 double capped(double value, double most) { return std::min(1.0, value / most); }
 
@@ -41,6 +42,7 @@ class WalkMeter {
     const Vector3 rpy = roll_pitch_yaw(state.q_WB);
     power_ += env.info().power;
     tilt_squares_ += rpy.x() * rpy.x() + rpy.y() * rpy.y();
+    if (leaned_after_ == 0 && std::hypot(rpy.x(), rpy.y()) > kLean) leaned_after_ = steps_;
     if (env.info().time < kSetOffSeconds) return;
     const Vector3 velocity = in_heading_frame(state.v_WB, rpy.z());
     vx_ += velocity.x();
@@ -60,6 +62,7 @@ class WalkMeter {
     m.tilt = std::sqrt(tilt_squares_ / all);
     m.fell = fell;
     m.lasted = fell ? std::min(1.0, steps_ * dt_ / seconds) : 1;
+    m.upright = leaned_after_ > 0 ? std::min(1.0, leaned_after_ * dt_ / seconds) : m.lasted;
     return m;
   }
 
@@ -67,7 +70,7 @@ class WalkMeter {
   double dt_, weight_;
   JointVector last_, before_;
   double jitter_ = 0, power_ = 0, tilt_squares_ = 0, vx_ = 0, vy_ = 0, yaw_rate_ = 0;
-  int steps_ = 0, jitters_ = 0, walked_ = 0;
+  int steps_ = 0, jitters_ = 0, walked_ = 0, leaned_after_ = 0;
 };
 
 // The test's own starts in the place of what is randomised: the world's axes are not the robot's, so that
@@ -116,7 +119,7 @@ std::vector<WalkCommand> walk_commands(const EnvConfig& config) {
 }
 
 double walk_score(const WalkMeasure& walk) noexcept {
-  if (walk.fell) return 3 + (1 - walk.lasted);
+  if (walk.fell) return 3 + (1 - (walk.lasted + walk.upright) / 2);
   const double speed = std::max(kReferenceSpeed, std::hypot(walk.asked.vx, walk.asked.vy));
   const double turn = std::max(kReferenceTurn, std::abs(walk.asked.yaw_rate));
   return capped(walk.speed_error, speed) + capped(walk.yaw_rate_error, turn) +

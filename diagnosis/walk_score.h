@@ -20,7 +20,8 @@ struct WalkMeasure {
   double effort = 0;          ///< mean power of the servos over weight and reference speed
   double tilt = 0;            ///< root mean square of roll and pitch together, rad
   double lasted = 1;          ///< share of the walk before a fall or another end; 1: all of it
-  bool fell = false;          ///< it ended before its time
+  double upright = 1;  ///< the same before it first leans by more than 0.3 rad, roll and pitch together
+  bool fell = false;   ///< it ended before its time
 };
 
 /// Returns the environment for one episode of a test: of so long (s, whole policy steps), under one command,
@@ -56,7 +57,8 @@ struct WalkTolerance {
 ///   speed error over the larger of the command and 0.3 m/s, at most 1,
 ///   yaw rate error over the larger of the command and 0.4 rad/s, at most 1,
 ///   0.3 jitter over 500 rad/s^2, 0.2 effort over 3 and 0.3 tilt over 0.2 rad, each at most 1,
-/// for a walk that lasts, and 3 plus the share of the time that was left for one that does not.
+/// for a walk that lasts, and for one that does not 3 plus the share of its time that was left: half of that
+/// after its end, half of that after it first leaned.
 double walk_score(const WalkMeasure& walk) noexcept;
 
 /// Holds the walks of one configuration.

@@ -10,6 +10,7 @@ using Fields = std::vector<CandidateField>;
 
 // joint_fields.cpp
 Fields joint_order(const Context& context);
+Fields joints_observed(const Context& context);
 Fields joint_signs(const Context& context);
 Fields joint_home(const Context& context);
 Fields joint_offset(const Context& context);

@@ -52,12 +52,29 @@ bool by_joint(std::string_view block) {
 void turn_around(EnvConfig& c, const std::set<std::string>& joints) {
   for (ObservationTerm& term : c.observation) {
     if (!by_joint(term.block)) continue;
-    term.scale = each_scale(term, c.joints.order.size());
-    for (std::size_t i = 0; i < c.joints.order.size(); ++i) {
-      if (joints.contains(c.joints.order[i])) term.scale[i] = -term.scale[i];
+    const std::vector<std::string>& seen = c.joints.observed.empty() ? c.joints.order : c.joints.observed;
+    term.scale = each_scale(term, seen.size());
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (joints.contains(seen[i])) term.scale[i] = -term.scale[i];
     }
   }
   for (const std::string& joint : joints) c.joints.scale.by_name[joint] = -c.joints.scale.by_name.at(joint);
+}
+
+// The conventions, then every order of legs.
+template <typename Visit>
+void for_each_order(const Context& context, const Visit& visit) {
+  for (const JointOrder& order : joint_orders())
+    visit(std::string(order.name), joints_in_order(order, context.servos));
+  std::array<Leg, 4> legs{Leg::FL, Leg::FR, Leg::RL, Leg::RR};
+  do {
+    for (const auto by : {JointOrder::By::kLeg, JointOrder::By::kDepth}) {
+      const JointOrder order{"", by, legs, false, ""};
+      visit(fmt::format("{}, {}", legs_in_words(legs),
+                        by == JointOrder::By::kLeg ? "leg after leg" : "all hips first"),
+            joints_in_order(order, context.servos));
+    }
+  } while (std::next_permutation(legs.begin(), legs.end()));
 }
 
 constexpr std::array<std::string_view, 3> kDepths{"first", "second", "third"};
@@ -110,22 +127,30 @@ Fields joint_order(const Context& context) {
       values.insert(*context.config.joints.home.find(servo.joint));
     return values.size() == 1;
   }();
-  const auto add = [&](const std::string& words, std::vector<std::string> order) {
+  for_each_order(context, [&](const std::string& words, std::vector<std::string> order) {
     if (!seen.insert(order).second) return;
     if (!same_home) field.changes.push_back(order_with_lists(words, order));
     field.changes.push_back(order_change(words, std::move(order)));
+  });
+  return {std::move(field)};
+}
+
+Fields joints_observed(const Context& context) {
+  const JointActionSettings& joints = context.config.joints;
+  const bool seen_in_action_order = joints.observed.empty();
+  const std::vector<std::string>& present = seen_in_action_order ? joints.order : joints.observed;
+  if (std::set(present.begin(), present.end()) != std::set(joints.order.begin(), joints.order.end()))
+    return {};
+  CandidateField field{"joints.observed",
+                       seen_in_action_order ? "as the action" : fmt::format("{}", fmt::join(present, " ")),
+                       {}};
+  std::set<std::vector<std::string>> seen{present};
+  const auto add = [&](const std::string& words, const std::vector<std::string>& order) {
+    if (seen.insert(order).second)
+      field.changes.push_back({words, [order](EnvConfig& c) { c.joints.observed = order; }});
   };
-  for (const JointOrder& order : joint_orders())
-    add(std::string(order.name), joints_in_order(order, context.servos));
-  std::array<Leg, 4> legs{Leg::FL, Leg::FR, Leg::RL, Leg::RR};
-  do {
-    for (const auto by : {JointOrder::By::kLeg, JointOrder::By::kDepth}) {
-      const JointOrder order{"", by, legs, false, ""};
-      add(fmt::format("{}, {}", legs_in_words(legs),
-                      by == JointOrder::By::kLeg ? "leg after leg" : "all hips first"),
-          joints_in_order(order, context.servos));
-    }
-  } while (std::next_permutation(legs.begin(), legs.end()));
+  add("as the action", joints.order);
+  for_each_order(context, add);
   return {std::move(field)};
 }
 

@@ -34,9 +34,11 @@ TEST(WalkScore, AddsUpItsTermsAndCapsEach) {
 TEST(WalkScore, PutsEveryFallBehindEveryWalkAndLaterFallsBeforeEarlierOnes) {
   WalkMeasure measure = walk({0.5, 0, 0});
   measure.fell = true;
-  measure.lasted = 0.25;
+  measure.lasted = measure.upright = 0.25;
   EXPECT_DOUBLE_EQ(walk_score(measure), 3.75);
-  measure.lasted = 1;
+  measure.upright = 0.05;  // it leaned long before it fell
+  EXPECT_DOUBLE_EQ(walk_score(measure), 3.85);
+  measure.lasted = measure.upright = 1;
   EXPECT_GT(walk_score(measure), 2.8);
 }
 
