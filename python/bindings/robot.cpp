@@ -17,6 +17,7 @@
 #include "physics/robot/multibody.h"
 #include "physics/robot/robot_identity.h"
 #include "physics/robot_files/data_path.h"
+#include "physics/robot_files/mesh/mesh_vertices.h"
 #include "python/bindings/bindings.h"
 
 namespace crossgait::python {
@@ -26,6 +27,18 @@ Robot load(const std::string& name_or_file) {
   LoadedRobot loaded = load_robot_with_report(find_robot(name_or_file));
   return {name_or_file, std::make_shared<const RobotDescription>(std::move(loaded.robot)),
           std::move(loaded.report)};
+}
+
+/// Reads a mesh as arrays: vertices, N x 3, and triangles of them, M x 3.
+nb::tuple read_mesh(const std::string& file) {
+  const TriangleMesh mesh = read_mesh_triangles(file);
+  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> vertices(mesh.vertices.size(), 3);
+  for (Eigen::Index i = 0; i < vertices.rows(); ++i)
+    vertices.row(i) = mesh.vertices[static_cast<std::size_t>(i)];
+  Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor> triangles(mesh.triangles.size() / 3, 3);
+  for (Eigen::Index i = 0; i < triangles.size(); ++i)
+    triangles.data()[i] = static_cast<std::int32_t>(mesh.triangles[static_cast<std::size_t>(i)]);
+  return nb::make_tuple(std::move(vertices), std::move(triangles));
 }
 
 nb::list visuals(const RobotDescription& robot) {
@@ -206,6 +219,12 @@ void bind_robot(nb::module_& m) {
                "': " + std::to_string(r.description->joint_count()) + " joints, " +
                std::to_string(r.description->total_mass()) + " kg>";
       });
+  m.def(
+      "read_mesh", &read_mesh, nb::arg("file"),
+      nb::sig("def read_mesh(file: str) -> tuple[numpy.typing.NDArray[numpy.float64], "
+              "numpy.typing.NDArray[numpy.int32]]"),
+      "Vertices (N x 3) of an STL, OBJ or DAE file and triangles of them (M x 3), as pages show it; a DAE in "
+      "metres. Raises ConfigError.");
   m.def(
       "robots", [] { return robot_names(); }, "Names of the robots that come with Crossgait.");
   m.def(

@@ -222,12 +222,24 @@ def test_a_mesh_that_cannot_be_read_is_told(tmp_path: Path, monkeypatch: pytest.
     assert spec.compile().body("body 0").geomnum[0] == 1 + balls
 
 
-def test_meshes_and_hulls_are_drawn(tmp_path: Path) -> None:
+#: Of a wedge with these corners; MuJoCo reads the one, the core the other.
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+WEDGES = {
+    "wedge.obj": "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS) + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+    "wedge.dae": '<COLLADA version="1.4.1"><asset><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g">'
+    f'<mesh><source id="p"><float_array>{" ".join(map(str, CORNERS.flatten()))}</float_array><technique_common>'
+    '<accessor source="#pa" count="4" stride="3"/></technique_common></source><vertices id="v"><input '
+    'semantic="POSITION" source="#p"/></vertices><triangles count="4"><input semantic="VERTEX" source="#v" '
+    'offset="0"/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries></COLLADA>',
+}
+
+
+@pytest.mark.parametrize("written", WEDGES)
+def test_meshes_and_hulls_are_drawn(written: str, tmp_path: Path) -> None:
     from crossgait.viewing import mujoco_scene
 
-    file = tmp_path / "wedge.obj"
-    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
-    file.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    file, corners = tmp_path / written, CORNERS
+    file.write_text(WEDGES[written])
     spec = mujoco_scene.mujoco.MjSpec()
     body = spec.worldbody.add_body(name="body")
     pose = np.eye(4)

@@ -242,14 +242,18 @@ def _add_shape(
 
 
 def _add_mesh(spec: mujoco.MjSpec, name: str, file: str, scale: tuple[float, ...]) -> str | None:
-    """Its name, or None, with a warning, if MuJoCo cannot read the file (Collada, for one)."""
-    settings = {
-        "file": str(Path(file).absolute()),
+    """Its name, or None, with a warning, if the file cannot be read. The core reads COLLADA, which MuJoCo does not."""
+    settings: dict[str, Any] = {
         "scale": scale,
-        "inertia": mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,  # which needs no volume
-    }
+        "inertia": mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+    }  # needs no volume
     probe = mujoco.MjSpec()
     try:
+        if Path(file).suffix.lower() == ".dae":
+            vertices, triangles = _core.read_mesh(file)
+            settings |= {"uservert": vertices.flatten(), "userface": triangles.flatten()}
+        else:
+            settings["file"] = str(Path(file).absolute())
         probe.add_mesh(name=name, **settings)
         probe.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, contype=0, conaffinity=0)
         probe.compile()
