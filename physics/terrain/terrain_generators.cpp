@@ -179,14 +179,13 @@ HeightFunction rough(const TerrainValues& values, std::uint64_t seed) {
   std::vector<Octave> octaves;
   octaves.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) octaves.push_back(make_octave(seed, i, length));
-  return with_start_area(values["flat_radius"],
-                         [amplitude, octaves = std::move(octaves)](double x, double y) mutable {
-                           double sum = 0;
-                           for (Octave& o : octaves)
-                             sum += o.height *
-                                    o.noise(x * o.frequency + o.shift_x, y * o.frequency + o.shift_y);
-                           return amplitude * sum;
-                         });
+  return with_start_area(
+      values["flat_radius"], [amplitude, octaves = std::move(octaves)](double x, double y) mutable {
+        double sum = 0;
+        for (Octave& o : octaves)
+          sum += o.height * o.noise(x * o.frequency + o.shift_x, y * o.frequency + o.shift_y);
+        return amplitude * sum;
+      });
 }
 
 /// The parameters of one generator, followed by those of the grid that every field has.

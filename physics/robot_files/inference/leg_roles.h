@@ -15,8 +15,8 @@ struct Wheel {
   double radius = 0;                 ///< m
 };
 
-/// Finds the wheel that the body at `index` is: its joint turns without limits, and its shapes are round about it, next to
-/// alike in all directions across. Nothing for any other body.
+/// Finds the wheel that the body at `index` is: its joint turns without limits, and its shapes are round
+/// about it, next to alike in all directions across. Nothing for any other body.
 std::optional<Wheel> wheel_of(const ParsedRobot& robot, int index);
 
 /// Names joints of a leg by the bodies that they move.
