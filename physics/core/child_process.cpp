@@ -64,7 +64,9 @@ class SpawnActions {
 /// The processor's time and the size of files are limits of the child's own, which hold when this program is
 /// gone as well.
 void limit(pid_t child, const ChildLimits& limits) {
-  const rlimit time{static_cast<rlim_t>(limits.time.count()), static_cast<rlim_t>(limits.time.count())};
+  // Of a hard limit as low as the soft one the system makes a SIGKILL, which says nothing.
+  const auto seconds = static_cast<rlim_t>(limits.time.count());
+  const rlimit time{seconds, seconds + 1};
   const rlimit bytes{limits.bytes, limits.bytes};
   // Of a child that has ended already there is nothing to limit.
   prlimit(child, RLIMIT_CPU, &time, nullptr);
