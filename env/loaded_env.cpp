@@ -30,9 +30,11 @@ LoadedEnv::LoadedEnv(EnvConfig environment, std::shared_ptr<const RobotDescripti
 }
 
 LoadedEnv LoadedEnv::with(EnvConfig changed) const {
-  LoadedEnv other(changed, changed.robot == config.robot ? robot : read_robot(changed),
-                  changed.joints.actuator == config.joints.actuator ? actuator : nullptr);
-  if (changed.terrain == config.terrain) other.ground = ground;
+  const bool same_ground = changed.terrain == config.terrain;
+  auto its_robot = changed.robot == config.robot ? robot : read_robot(changed);
+  auto its_actuator = changed.joints.actuator == config.joints.actuator ? actuator : nullptr;
+  LoadedEnv other(std::move(changed), std::move(its_robot), std::move(its_actuator));
+  if (same_ground) other.ground = ground;
   return other;
 }
 

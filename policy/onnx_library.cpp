@@ -36,7 +36,7 @@ std::vector<std::string> split(const std::string& text) {
 
 // The Python's file, a virtual environment's with its links unresolved; empty if it is not there.
 fs::path python() {
-  const fs::path program = python_program();
+  fs::path program = python_program();
   if (program.has_parent_path()) return program;
   std::error_code error;
   for (const std::string& folder : split(variable("PATH"))) {

@@ -25,10 +25,10 @@ void wait_while(const std::atomic<std::size_t>& value, std::size_t old) noexcept
 
 WorkerPool::WorkerPool(std::size_t workers) : process_(::getpid()) {
   try {
-    for (std::size_t i = 1; i < workers; ++i) threads_.emplace_back([this] { serve(); });
+    for (std::size_t i = 1; i < workers; ++i) threads_->emplace_back([this] { serve(); });
   } catch (const std::system_error& error) {
     stop();  // those that did start, or joining them would never end
-    throw std::runtime_error(fmt::format("worker threads: {} of {} could be started: {}", threads_.size(),
+    throw std::runtime_error(fmt::format("worker threads: {} of {} could be started: {}", threads_->size(),
                                          workers - 1, error.code().message()));
   }
 }
@@ -39,7 +39,7 @@ void WorkerPool::stop() noexcept {
   if (process_ != ::getpid()) {
     // There is nobody to stop, waiting for their end would never end, and other threads may have taken the
     // memory that the handles stand for: they are not touched any more.
-    static_cast<void>(new std::vector<std::jthread>(std::move(threads_)));
+    static_cast<void>(threads_.release());
     return;
   }
   stop_ = true;
@@ -71,7 +71,7 @@ void WorkerPool::work() noexcept {
 }
 
 void WorkerPool::run(std::size_t count, Call call, const void* function) {
-  if (!threads_.empty() && process_ != ::getpid()) {
+  if (!threads_->empty() && process_ != ::getpid()) {
     throw std::logic_error(
         fmt::format("worker threads: they are those of process {}, and this one is a fork of it, which has "
                     "none of them: make "
@@ -83,7 +83,7 @@ void WorkerPool::run(std::size_t count, Call call, const void* function) {
   count_ = count;
   next_ = 0;
   error_ = nullptr;
-  busy_ = threads_.size();
+  busy_ = threads_->size();
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();
   work();

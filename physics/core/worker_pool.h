@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -25,7 +26,7 @@ class WorkerPool {
   WorkerPool(WorkerPool&&) = delete;
   WorkerPool& operator=(WorkerPool&&) = delete;
 
-  std::size_t workers() const noexcept { return threads_.size() + 1; }
+  std::size_t workers() const noexcept { return threads_->size() + 1; }
 
   /// Calls function(0) ... function(count - 1) and returns when all are done. Allocates nothing. Throws what
   /// the call of lowest index threw, after all others are done.
@@ -58,7 +59,8 @@ class WorkerPool {
   std::exception_ptr error_;
   std::size_t error_index_ = 0;
 
-  std::vector<std::jthread> threads_;  // last: they use the rest
+  // Last: they use the rest.
+  std::unique_ptr<std::vector<std::jthread>> threads_ = std::make_unique<std::vector<std::jthread>>();
 };
 
 }  // namespace crossgait

@@ -144,9 +144,10 @@ class GradientNoise {
     constexpr std::array<Gradient, 8> kGradients{
         {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}, {kRoot, 0}, {-kRoot, 0}, {0, kRoot}, {0, -kRoot}}};
     column_ = column, row_ = row;
-    for (int corner = 0; corner < 4; ++corner) {
-      const std::uint64_t bits = lattice_bits(seed_, column + corner % 2, row + corner / 2);
-      corners_[static_cast<std::size_t>(corner)] = kGradients.at(bits >> 61U);
+    for (int j = 0; j < 2; ++j) {
+      for (int i = 0; i < 2; ++i)
+        corners_[static_cast<std::size_t>(2 * j + i)] =
+            kGradients.at(lattice_bits(seed_, column + i, row + j) >> 61U);
     }
   }
 

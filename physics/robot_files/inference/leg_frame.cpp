@@ -38,7 +38,7 @@ Eigen::SelfAdjointEigenSolver<Matrix3> spread_of(const std::vector<Vector3>& poi
 
 class FrameOfLegs {
  public:
-  FrameOfLegs(const JointTree& tree, const FoundLegs& legs) : tree_(tree) {
+  FrameOfLegs(const JointTree& tree, const FoundLegs& legs) {
     for (const FoundLeg& leg : legs) {
       hips_.push_back(tree.origin(leg.joints.servos.front()));
       first_axes_.push_back(tree.axis(leg.joints.servos.front()));
@@ -97,7 +97,6 @@ class FrameOfLegs {
     return R;
   }
 
-  const JointTree& tree_;
   std::vector<Vector3> hips_, first_axes_;
   Vector3 hips_middle_ = Vector3::Zero(), knees_middle_ = Vector3::Zero(), lateral_ = Vector3::Zero();
 };
