@@ -8,12 +8,13 @@ import tempfile
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
 
-def ask(program, *arguments):
-    """What a command's --json says, also where it says that something failed (exit code 1); ends if there is none."""
+def ask(program, *arguments, codes=(0, 1)):
+    """What a command's --json says, also where it says that something failed (exit code 1, or those of `codes`); ends if there
+    is none."""
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "said.json")
         done = subprocess.run([program, *arguments, "--json", file], capture_output=True, text=True, cwd=ROOT)
-        if done.returncode not in (0, 1) or not os.path.exists(file):
+        if done.returncode not in codes or not os.path.exists(file):
             sys.exit(f"crossgait {' '.join(arguments)}: {done.stderr.strip()}")
         with open(file, encoding="utf-8") as text:
             return json.load(text)
