@@ -22,21 +22,14 @@ struct DiagnoseCommand {
   JsonOption json;
 };
 
-LoadedEnv environment_of(const DiagnoseCommand& options, const std::string& policy) {
-  const std::string file = environment_file(options.env, policy);
-  if (file.empty())
-    throw ConfigError("command line", "--env", "the environment of a policy that is no folder", "none");
-  EnvConfig config = load_env_config(file);
-  if (!options.engine.empty()) config.engine = options.engine;
-  return load_with_warnings(config);
-}
-
 void run(const DiagnoseCommand& options) {
   if (options.folder.empty() == options.policy.empty())
     throw ConfigError("command line", "NAME or --policy", "one of them",
                       options.folder.empty() ? "neither" : "both");
   const std::string policy = options.folder.empty() ? options.policy : options.folder;
-  const LoadedEnv environment = environment_of(options, policy);
+  EnvConfig config = environment_of(options.env, policy);
+  if (!options.engine.empty()) config.engine = options.engine;
+  const LoadedEnv environment = load_with_warnings(config);
   options.page.check();
   DiagnosisOptions how = options.how;
   how.search = !options.no_search;

@@ -130,6 +130,13 @@ void EnvOptions::require_gait(const EnvConfig& c) const {
   }
 }
 
+EnvConfig environment_of(const std::string& env, const std::string& policy) {
+  const std::string file = environment_file(env, policy);
+  if (file.empty())
+    throw ConfigError("command line", "--env", "the environment of a policy that is no folder", "none");
+  return load_env_config(file);
+}
+
 std::vector<std::string> notes_on(const LoadedEnv& environment) {
   const EnvConfig& config = environment.config;
   RobotDescription robot = *environment.robot;

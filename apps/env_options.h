@@ -47,6 +47,11 @@ void apply_settings(const std::vector<std::string>& settings, EnvConfig& config)
 /// Reads the robot of a configuration, with its warnings. @throws ConfigError
 LoadedEnv load_with_warnings(const EnvConfig& config);
 
+/// Reads the environment in which a policy is judged: --env, or that of its folder. @param env  as given, or
+/// ""
+/// @throws ConfigError where there is neither, or none that can be read
+EnvConfig environment_of(const std::string& env, const std::string& policy);
+
 /// Returns a sentence for every parameter that begins outside its range: one that adapts, or one that is not
 /// as the gait prefers it.
 std::vector<std::string> notes_on(const LoadedEnv& environment);

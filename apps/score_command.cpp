@@ -1,6 +1,4 @@
 // crossgait score: how well policies do what they are asked, each in each engine.
-#include <filesystem>
-
 #include "diagnosis/import_table.h"
 #include "diagnosis/policy_score.h"
 #include <fmt/format.h>
@@ -27,10 +25,7 @@ std::string trained_in(const ScoreCommand& options, const std::string& policy, c
 }
 
 ScoredPolicy read(const ScoreCommand& options, const std::string& policy) {
-  const std::string file = environment_file(options.env, policy);
-  if (file.empty())
-    throw ConfigError("command line", "--env", "the environment of a policy that is no folder", "none");
-  const EnvConfig config = load_env_config(file);
+  const EnvConfig config = environment_of(options.env, policy);
   if (config.action != ActionKind::kJoints)
     throw ConfigError(config.source, "action", "joints: what a score asks for is commanded to them", "gait");
   return {short_name(policy), trained_in(options, policy, config), load_with_warnings(config),
