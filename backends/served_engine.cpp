@@ -113,8 +113,6 @@ ServedEngine::ServedEngine(std::string name, std::string file, std::string_view 
     : file_(std::move(file)) {
   info_.name = std::move(name);
   std::unique_ptr<ServedProcess> process = start();
-  process->request(static_cast<unsigned>(ServedRequest::kHello), "the beginning");
-  process->throw_if_lost();
   constexpr std::size_t kStampDigits = 12;
   read_info(process->text(), is_of_package(file_) ? "" : sha256_hex(text).substr(0, kStampDigits));
   give_back(std::move(process));
@@ -133,6 +131,8 @@ std::unique_ptr<ServedProcess> ServedEngine::start() const {
   }
   process->set_text(
       Json{{"protocol", kServedVersion}, {"numbers_at", kServedNumbersAt}, {"blocks", blocks}}.dump());
+  process->request(static_cast<unsigned>(ServedRequest::kHello), "the beginning");
+  process->throw_if_lost();
   return process;
 }
 
@@ -183,10 +183,7 @@ std::unique_ptr<ServedProcess> ServedEngine::take() {
       return process;
     }
   }
-  std::unique_ptr<ServedProcess> process = start();
-  process->request(static_cast<unsigned>(ServedRequest::kHello), "the beginning");
-  process->throw_if_lost();
-  return process;
+  return start();
 }
 
 void ServedEngine::give_back(std::unique_ptr<ServedProcess> process) {

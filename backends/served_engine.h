@@ -46,6 +46,7 @@ class ServedEngine : public std::enable_shared_from_this<ServedEngine> {
   std::unique_ptr<PhysicsBackend> make_world(const WorldSpec& spec);
 
  private:
+  /// Starts a process, whose text then says what the engine is.
   std::unique_ptr<ServedProcess> start() const;
   void read_info(std::string_view text, std::string_view stamp);
 

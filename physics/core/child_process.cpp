@@ -8,10 +8,11 @@
 #include <system_error>
 #include <thread>
 
-#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "physics/core/spawn_actions.h"
 
 namespace crossgait {
 namespace {
@@ -41,25 +42,6 @@ std::string read_all(FILE* file) {
   }
   return text;
 }
-
-class SpawnActions {
- public:
-  SpawnActions() {
-    if (const int code = posix_spawn_file_actions_init(&actions_); code != 0) fail("a child process", code);
-  }
-  ~SpawnActions() { posix_spawn_file_actions_destroy(&actions_); }
-  SpawnActions(const SpawnActions&) = delete;
-  SpawnActions& operator=(const SpawnActions&) = delete;
-
-  void connect(FILE* file, int descriptor) {
-    const int code = posix_spawn_file_actions_adddup2(&actions_, fileno(file), descriptor);
-    if (code != 0) fail("a child process", code);
-  }
-  const posix_spawn_file_actions_t* get() const { return &actions_; }
-
- private:
-  posix_spawn_file_actions_t actions_{};
-};
 
 /// The processor's time and the size of files are limits of the child's own, which hold when this program is
 /// gone as well.
@@ -98,14 +80,12 @@ std::optional<ChildResult> run_child(const std::vector<std::string>& command, Ch
                                      std::optional<ChildLimits> limits) {
   const File in = nameless_file(), out = nameless_file(), complaints = nameless_file();
   SpawnActions actions;
-  actions.connect(in.get(), STDIN_FILENO);
-  actions.connect(out.get(), STDOUT_FILENO);
-  if (errors == ChildErrors::kKept) actions.connect(complaints.get(), STDERR_FILENO);
+  actions.connect(fileno(in.get()), STDIN_FILENO);
+  actions.connect(fileno(out.get()), STDOUT_FILENO);
+  if (errors == ChildErrors::kKept) actions.connect(fileno(complaints.get()), STDERR_FILENO);
 
   std::vector<std::string> words = command;
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+  const std::vector<char*> arguments = spawn_words(words);
   pid_t child = 0;
   const int code =
       posix_spawnp(&child, words.front().c_str(), actions.get(), nullptr, arguments.data(), environ);

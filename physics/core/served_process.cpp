@@ -13,13 +13,13 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "physics/core/error.h"
+#include "physics/core/spawn_actions.h"
 #include "physics/core/text.h"
 
 namespace crossgait {
@@ -53,13 +53,6 @@ int moved_up(int descriptor) {
 void close_one(int& descriptor) noexcept {
   if (descriptor >= 0) close(descriptor);
   descriptor = -1;
-}
-
-std::vector<char*> words_of(std::vector<std::string>& texts) {
-  std::vector<char*> words;
-  for (std::string& text : texts) words.push_back(text.data());
-  words.push_back(nullptr);
-  return words;
 }
 
 std::vector<std::string> environment_with(std::string_view variable, const std::string& value) {
@@ -133,24 +126,22 @@ ServedProcess::~ServedProcess() {
 }
 
 void ServedProcess::start(const std::vector<std::string>& command, int socket, int lifeline, int output) {
-  posix_spawn_file_actions_t actions{};
+  SpawnActions actions;
+  actions.open("/dev/null", STDIN_FILENO, O_RDONLY);
+  actions.connect(output, STDOUT_FILENO);
+  actions.connect(output, STDERR_FILENO);
+  actions.connect(socket, kSocketThere);
+  actions.connect(memory_file_, kMemoryThere);
+  actions.connect(lifeline, kLifelineThere);
   posix_spawnattr_t attributes{};
-  posix_spawn_file_actions_init(&actions);
   posix_spawnattr_init(&attributes);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, socket, kSocketThere);
-  posix_spawn_file_actions_adddup2(&actions, memory_file_, kMemoryThere);
-  posix_spawn_file_actions_adddup2(&actions, lifeline, kLifelineThere);
   // A session of its own: Ctrl-C is for whoever asks, who may want one more answer.
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
   std::vector<std::string> arguments = command;
   std::vector<std::string> environment =
       environment_with(kServedVariable, fmt::format("{}:{}:{}", kSocketThere, kMemoryThere, kLifelineThere));
-  const int code = posix_spawnp(&child_, arguments.front().c_str(), &actions, &attributes,
-                                words_of(arguments).data(), words_of(environment).data());
-  posix_spawn_file_actions_destroy(&actions);
+  const int code = posix_spawnp(&child_, arguments.front().c_str(), actions.get(), &attributes,
+                                spawn_words(arguments).data(), spawn_words(environment).data());
   posix_spawnattr_destroy(&attributes);
   if (code == 0) return;
   child_ = -1;
