@@ -5,7 +5,6 @@
 #include "motion/gait_source.h"
 #include "motion/time_steps.h"
 #include "physics/robot/drives.h"
-#include "physics/robot/simulated_contact.h"
 
 namespace crossgait {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "physics/robot/simulated_contact.h"
 #include "physics/robot_files/data_path.h"
 
 namespace crossgait {

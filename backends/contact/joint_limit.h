@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "backends/contact/soft_constraint.h"
+#include "physics/engine/soft_law.h"
 #include "physics/engine/world_spec.h"
 
 namespace crossgait::contact {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "backends/contact/body_kinematics.h"
-#include "backends/contact/soft_constraint.h"
+#include "physics/engine/soft_law.h"
 #include "physics/engine/world_spec.h"
 
 namespace crossgait::contact {

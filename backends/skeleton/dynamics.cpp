@@ -2,12 +2,6 @@
 
 namespace crossgait::skeleton {
 
-Matrix3 cross_matrix(const Vector3& a) {
-  Matrix3 m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
-
 Dynamics::Dynamics(const RobotDescription& robot) : robot_(robot), links_(robot.bodies.size()) {
   const Eigen::Index dofs = 6 + robot.joint_count();
   velocity_.setZero(dofs);

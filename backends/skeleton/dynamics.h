@@ -17,9 +17,6 @@ using DofVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDofs, 1>;
 using DofMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxDofs, kMaxDofs>;
 using PointJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxDofs>;
 
-/// Returns cross_matrix(a) b = a x b.
-Matrix3 cross_matrix(const Vector3& a);
-
 class Dynamics {
  public:
   /// @param robot  has to outlive it

@@ -27,6 +27,13 @@ inline constexpr double kGravity = 9.81;
 /// What an angle in rad is multiplied by for people to read it.
 inline constexpr double kDegreesPerRadian = 180 / M_PI;
 
+/// Returns the matrix of a cross product: cross_matrix(a) b = a x b.
+inline Matrix3 cross_matrix(const Vector3& a) {
+  Matrix3 m;
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
+
 inline Pose make_pose(const Quaternion& q, const Vector3& p) {
   Pose X = Pose::Identity();
   X.linear() = q.toRotationMatrix();

@@ -1,16 +1,7 @@
 #include "physics/engine/step_equations.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace crossgait {
 namespace {
-
-Matrix3 cross_matrix(const Vector3& a) {
-  Matrix3 m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
 
 // How bodies accelerate where u' is zero: the point of the joint, and the turning.
 struct Drift {
@@ -24,27 +15,13 @@ StepEquations::StepEquations(const WorldSpec& spec, double margin)
   const RobotDescription& robot = *spec.robot;
   const std::vector<double> bodies = translational_inverse_weights(robot, spec.fixed_base);
   for (const LoopClosure& loop : robot.loops)
-    of_loops_.push_back(law_of(robot.loop_softness, bodies[static_cast<std::size_t>(loop.body_a)] +
-                                                        bodies[static_cast<std::size_t>(loop.body_b)]));
+    of_loops_.push_back(
+        {SoftLaw(robot.loop_softness, spec.physics_dt),
+         bodies[static_cast<std::size_t>(loop.body_a)] + bodies[static_cast<std::size_t>(loop.body_b)]});
   const JointVector joints = joint_inverse_weights(robot, spec.fixed_base);
   for (const JointCoupling& coupling : robot.couplings)
-    of_couplings_.push_back(law_of(coupling.softness, joints[coupling.follower] + joints[coupling.leader]));
-}
-
-StepEquations::Law StepEquations::law_of(const Softness& soft, double inverse_weight) const {
-  const double time_constant = time_constant_in_steps(soft.time_constant, spec_.physics_dt);
-  return {soft, 1 / std::pow(soft.impedance_max * time_constant * soft.damping_ratio, 2),
-          2 / (soft.impedance_max * time_constant), inverse_weight};
-}
-
-// Rises from its least to its greatest value over impedance_width, as two powers that meet at the midpoint;
-// within MuJoCo's bounds.
-double StepEquations::Law::impedance(double violation) const noexcept {
-  const double x = std::min(std::abs(violation) / soft.impedance_width, 1.0);
-  const double p = soft.impedance_power, middle = soft.impedance_midpoint;
-  const double y = x <= middle ? std::pow(x, p) / std::pow(middle, p - 1)
-                               : 1 - std::pow(1 - x, p) / std::pow(1 - middle, p - 1);
-  return std::clamp(soft.impedance_min + y * (soft.impedance_max - soft.impedance_min), 1e-4, 0.9999);
+    of_couplings_.push_back(
+        {SoftLaw(coupling.softness, spec.physics_dt), joints[coupling.follower] + joints[coupling.leader]});
 }
 
 // Rows of the point's velocity and of the turning; the base's velocity is that of its centre of mass.
@@ -104,11 +81,10 @@ void StepEquations::add_bodies(const RobotState& state) {
   }
 }
 
-void StepEquations::add_soft_row(const Law& law, const Eigen::MatrixXd& J, const Eigen::VectorXd& gap) {
-  const double imp = law.impedance(gap.norm()), R = (1 - imp) / imp * law.inverse_weight;
+void StepEquations::add_soft_row(const SoftRow& row, const Eigen::MatrixXd& J, const Eigen::VectorXd& gap) {
+  const double imp = row.law.impedance(gap.norm()), R = SoftLaw::regularization(imp, row.inverse_weight);
   if (!(R > 0)) return;  // nothing of it can move
-  const Eigen::VectorXd speed = J * u_;
-  const Eigen::VectorXd wanted = speed - spec_.physics_dt * (law.damping * speed + law.stiffness * imp * gap);
+  const Eigen::VectorXd speed = J * u_, wanted = row.law.target_velocity(speed, imp, gap);
   A_.noalias() += J.transpose() * J / R;
   b_.noalias() += J.transpose() * wanted / R;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "physics/engine/contact_features.h"
+#include "physics/engine/soft_law.h"
 #include "physics/engine/world_spec.h"
 #include "physics/robot/multibody.h"
 
@@ -42,24 +43,21 @@ class StepEquations {
   Eigen::MatrixXd jacobian(int body, const Vector3& p_WP) const;
 
  private:
-  /// A soft row's law, the same for all its directions.
-  struct Law {
-    Softness soft;
-    double stiffness, damping, inverse_weight;
-
-    double impedance(double violation) const noexcept;
+  /// A soft row, the same in all its directions.
+  struct SoftRow {
+    SoftLaw law;
+    double inverse_weight;
   };
-  Law law_of(const Softness& soft, double inverse_weight) const;
   Eigen::MatrixXd full_jacobian(int body, const Vector3& p_BP) const;
   void add_bodies(const RobotState& state);
   void add_loops(const JointVector& q);
-  void add_soft_row(const Law& law, const Eigen::MatrixXd& J, const Eigen::VectorXd& gap);
+  void add_soft_row(const SoftRow& row, const Eigen::MatrixXd& J, const Eigen::VectorXd& gap);
   void find_points();
 
   const WorldSpec& spec_;
   double margin_;
   std::vector<ContactFeature> features_;
-  std::vector<Law> of_loops_, of_couplings_;
+  std::vector<SoftRow> of_loops_, of_couplings_;
   std::vector<Pose> poses_;
   std::vector<BodyVelocity> velocities_;
   Eigen::MatrixXd M_, A_;

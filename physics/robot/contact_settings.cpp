@@ -10,8 +10,6 @@
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
 #include "physics/core/text.h"
-#include "physics/robot/contact_limits.h"
-#include "physics/robot/simulated_contact.h"
 
 namespace crossgait {
 namespace {

@@ -25,7 +25,7 @@ enum class FrictionCone : unsigned char { kElliptic, kPyramidal };
 std::string_view name(FrictionCone cone) noexcept;
 
 /// Holds the contact *intent*. How each engine realises it is one documented function per engine
-/// (backends/mujoco/model_xml.cpp, backends/contact/soft_constraint.h, backends/bullet/native_contact.cpp).
+/// (backends/mujoco/model_xml.cpp, physics/engine/soft_law.h, backends/bullet/native_contact.cpp).
 struct ContactSpec {
   double friction = 0.6;              ///< Coulomb coefficient between robot and terrain
   double torsional_friction = 0.005;  ///< m, against turning about the normal; counts from condim 4 on
@@ -82,8 +82,8 @@ ContactSettings parse_contact_settings(std::string_view text, std::string_view s
 ContactSettings friction_of(double coefficient);
 /// Returns every setting of a contact, said, but for friction of which its condim makes nothing.
 ContactSettings all_settings(const ContactSpec& contact);
-/// How much of it there may be to ask for.
-inline constexpr double kMostImpratio = 1000;
+/// How much there may be to ask for.
+inline constexpr double kMostImpratio = 1000, kMostFriction = 10, kMostDepenetrationVelocity = 100;  // m/s
 /// Writes the value as `parse_contact_settings` reads it.
 std::string contact_setting_text(const ContactSetting& setting, std::span<const double> numbers);
 
@@ -92,6 +92,10 @@ std::string contact_setting_text(const ContactSetting& setting, std::span<const 
 /// nothing
 ContactSpec resolve_contact(const ContactSettings& of_robot, const ContactSettings& asked,
                             std::string_view source);
+/// Resolves them with the time constant that steps of `physics_dt` (s) have (time_constant_in_steps).
+/// @throws ConfigError as `resolve_contact`
+ContactSpec simulated_contact(const ContactSettings& of_robot, const ContactSettings& asked,
+                              double physics_dt, std::string_view source);
 
 /// Returns the time constant that MuJoCo's law has in steps of `physics_dt`, s: two of them at least.
 double time_constant_in_steps(double time_constant, double physics_dt) noexcept;

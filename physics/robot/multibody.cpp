@@ -10,17 +10,10 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Cross-product matrix: skew(a) b = a x b.
-Matrix3 skew(const Vector3& a) {
-  Matrix3 m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
-
 /// Inertia in world axes about the point O: maps the twist (v_O, w) to momentum and angular momentum about O.
 Matrix6 spatial_inertia(const SpatialInertia& inertia, const Pose& X_WB, const Vector3& p_WO) {
   const Matrix3 R = X_WB.linear();
-  const Matrix3 c = skew(X_WB * inertia.p_BC - p_WO);
+  const Matrix3 c = cross_matrix(X_WB * inertia.p_BC - p_WO);
   Matrix6 result;
   result << inertia.mass * Matrix3::Identity(), -inertia.mass * c, inertia.mass * c,
       R * inertia.I_C * R.transpose() - inertia.mass * c * c;
@@ -81,7 +74,7 @@ Eigen::MatrixXd point_jacobian(const RobotDescription& robot, const std::vector<
   const Vector3 p_WP = poses[at(body)] * p_BP;
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, 6 + robot.joint_count());
   J.topLeftCorner<6, 6>().setIdentity();
-  J.block<3, 3>(0, 3) = -skew(p_WP - poses[0].translation());
+  J.block<3, 3>(0, 3) = -cross_matrix(p_WP - poses[0].translation());
   for (int i = body; i > 0; i = robot.bodies[at(i)].parent)
     J.col(6 + i - 1) = motion_subspace(robot.bodies[at(i)], poses[at(i)], p_WP);
   return J;

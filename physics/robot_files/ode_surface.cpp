@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "physics/robot/contact_limits.h"
+#include "physics/robot/contact_settings.h"
 
 namespace crossgait {
 namespace {

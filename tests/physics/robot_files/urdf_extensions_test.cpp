@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "physics/robot/contact_limits.h"
+#include "physics/robot/contact_settings.h"
 #include "physics/robot_files/robot_report.h"
 #include "physics/robot_files/urdf/urdf_reader.h"
 #include "tests/physics/core/config_error.h"

@@ -1,11 +1,11 @@
 // MuJoCo's soft-constraint law against values worked out by hand.
-#include "backends/contact/soft_constraint.h"
+#include "physics/engine/soft_law.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-namespace crossgait::contact {
+namespace crossgait {
 namespace {
 
 const Softness kSoft{0.02, 1.0, 0.9, 0.95, 0.001};
@@ -56,4 +56,4 @@ TEST(SoftLaw, RegularizationIsWhatImpedanceLeaves) {
 }
 
 }  // namespace
-}  // namespace crossgait::contact
+}  // namespace crossgait
