@@ -5,7 +5,6 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
-#include <system_error>
 #include <thread>
 
 #include <sys/resource.h>
@@ -22,14 +21,10 @@ struct CloseFile {
 };
 using File = std::unique_ptr<FILE, CloseFile>;
 
-[[noreturn]] void fail(const char* what, int code) {
-  throw std::system_error(code, std::generic_category(), what);
-}
-
 /// A file without a name, gone when closed: unlike a pipe it never makes a writer wait.
 File nameless_file() {
   File file(std::tmpfile());
-  if (!file) fail("temporary file", errno);
+  if (!file) throw_system_error(errno, "temporary file");
   return file;
 }
 
@@ -63,7 +58,7 @@ std::pair<int, bool> wait_for(pid_t child, const char* name, const std::optional
   for (;;) {
     const pid_t done = waitpid(child, &status, limits && !ended_here ? WNOHANG : 0);
     if (done == child) return {status, ended_here};
-    if (done < 0 && errno != EINTR) fail(name, errno);
+    if (done < 0 && errno != EINTR) throw_system_error(errno, name);
     if (done != 0) continue;
     ended_here = std::chrono::steady_clock::now() - begin > limits->time;
     if (ended_here) {
@@ -90,7 +85,7 @@ std::optional<ChildResult> run_child(const std::vector<std::string>& command, Ch
   const int code =
       posix_spawnp(&child, words.front().c_str(), actions.get(), nullptr, arguments.data(), environ);
   if (code == ENOENT) return std::nullopt;
-  if (code != 0) fail(words.front().c_str(), code);
+  if (code != 0) throw_system_error(code, words.front());
   if (limits) limit(child, *limits);
   const auto [status, ended_here] = wait_for(child, words.front().c_str(), limits);
   ChildResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_all(out.get()),

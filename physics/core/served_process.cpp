@@ -8,7 +8,6 @@
 #include <cstring>
 #include <exception>
 #include <memory>
-#include <system_error>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -36,17 +35,13 @@ struct Message {
   std::uint32_t number, word;
 };
 
-[[noreturn]] void fail(const char* what, int code) {
-  throw std::system_error(code, std::generic_category(), what);
-}
-
 // Above those that the program is handed, or handing over one would overwrite the next.
 int moved_up(int descriptor) {
   constexpr int kAbove = 10;
   const int moved = fcntl(descriptor, F_DUPFD_CLOEXEC, kAbove);
   const int code = errno;
   close(descriptor);
-  if (moved < 0) fail("a served program", code);
+  if (moved < 0) throw_system_error(code, "a served program");
   return moved;
 }
 
@@ -89,25 +84,25 @@ ServedProcess::ServedProcess(std::string source, const std::vector<std::string>&
   std::array<int, 2> sockets{-1, -1}, life{-1, -1}, output{-1, -1};
   try {
     memory_file_ = memfd_create("crossgait", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    if (memory_file_ < 0) fail("shared memory", errno);
+    if (memory_file_ < 0) throw_system_error(errno, "shared memory");
     memory_file_ = moved_up(memory_file_);
     // Sealed in its size: a program that cut it off would have us touch what is not there.
     if (ftruncate(memory_file_, static_cast<off_t>(size)) != 0 ||
         fcntl(memory_file_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
-      fail("shared memory", errno);
+      throw_system_error(errno, "shared memory");
     void* mapped = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, memory_file_, 0);
-    if (mapped == MAP_FAILED) fail("shared memory", errno);
+    if (mapped == MAP_FAILED) throw_system_error(errno, "shared memory");
     memory_ = static_cast<std::byte*>(mapped);
     new (memory_) ServedHeader;
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets.data()) != 0 ||
         pipe2(life.data(), O_CLOEXEC) != 0 || pipe2(output.data(), O_CLOEXEC) != 0)
-      fail("a served program", errno);
+      throw_system_error(errno, "a served program");
     for (auto* pair : {&sockets, &life, &output})
       for (int& descriptor : *pair) descriptor = moved_up(descriptor);
     std::swap(socket_, sockets[0]);
     std::swap(lifeline_, life[1]);
     std::swap(output_, output[0]);
-    if (fcntl(output_, F_SETFL, O_NONBLOCK) != 0) fail("a served program", errno);
+    if (fcntl(output_, F_SETFL, O_NONBLOCK) != 0) throw_system_error(errno, "a served program");
     start(command, sockets[1], life[0], output[1]);
   } catch (...) {
     for (auto* pair : {&sockets, &life, &output})
@@ -148,7 +143,7 @@ void ServedProcess::start(const std::vector<std::string>& command, int socket, i
   if (code == ENOENT)
     throw ConfigError(source_, "program", "a program that can be run (CROSSGAIT_PYTHON names Python)",
                       fmt::format("no '{}'", arguments.front()));
-  fail(arguments.front().c_str(), code);
+  throw_system_error(code, arguments.front());
 }
 
 bool ServedProcess::is_of_another_process() const noexcept { return getpid() != owner_; }
@@ -180,7 +175,7 @@ bool ServedProcess::wait(std::uint32_t number, const char* name) {
   std::array<pollfd, 2> watched{pollfd{socket_, POLLIN, 0}, pollfd{output_, POLLIN, 0}};
   for (;;) {
     const int ready = poll(watched.data(), watched.size(), kSlice);
-    if (ready < 0 && errno != EINTR) fail("poll", errno);
+    if (ready < 0 && errno != EINTR) throw_system_error(errno, "poll");
     if (ready > 0 && watched[0].revents != 0) return read_answer(number, name);
     if (ready > 0 && watched[1].revents != 0) {
       if (!drain(written)) watched[1].fd = -1;  // it has closed its outputs, which it may

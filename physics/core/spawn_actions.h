@@ -2,12 +2,18 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
 #include <spawn.h>
 
 namespace crossgait {
+
+/// Throws what the system answered, an error of `errno`'s kind, about what was asked.
+[[noreturn]] inline void throw_system_error(int code, std::string_view what) {
+  throw std::system_error(code, std::generic_category(), std::string(what));
+}
 
 /// Collects descriptors of a program to be started, in the order in which it gets them. All functions throw
 /// std::system_error.
@@ -28,7 +34,7 @@ class SpawnActions {
 
  private:
   static void check(int code) {
-    if (code != 0) throw std::system_error(code, std::generic_category(), "a child process");
+    if (code != 0) throw_system_error(code, "a child process");
   }
 
   posix_spawn_file_actions_t actions_{};
