@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <map>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <utility>
 
@@ -80,20 +79,19 @@ void EngineRegistry::add_plugin(const std::string& file, Offers& offers) {
     return;
   }
   plugins_.push_back(loaded.plugin);
-  std::set<std::string> own;
   for (OfferedEngine& offer : loaded.plugin->engines()) {
     const std::string name = offer.info.name;
     const auto [place, first] = offers.file_of.try_emplace(name, loaded.file);
-    if (first) {
-      own.insert(name);
-      offers.rank_of[name] = loaded.plugin->rank;
-    }
+    if (first) offers.rank_of[name] = loaded.plugin->rank;
     listings_.push_back({name, std::move(offer.summary), std::move(offer.info), loaded.file, first,
                          first ? "" : "already offered by " + place->second});
   }
   for (EngineFamily& family : loaded.plugin->families()) {
-    const auto is_own = [&own](const std::string& name) {
-      return own.contains(std::string(split_factors(name).first));
+    // An end may be an engine that is known by its name alone, and in no list.
+    const auto is_own = [&](const std::string& name) {
+      const auto place = offers.file_of.find(std::string(split_factors(name).first));
+      return place == offers.file_of.end() ? loaded.plugin->find(name).has_value()
+                                           : place->second == loaded.file;
     };
     if (is_own(family.from) && is_own(family.to)) families_.push_back(std::move(family));
   }
