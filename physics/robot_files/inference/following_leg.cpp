@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/QR>
+#include <Eigen/LU>
 
 #include "physics/robot/multibody.h"
 
@@ -103,13 +103,13 @@ std::optional<std::vector<double>> FollowingLeg::stand(double depth, double forw
   for (int i = 0; i < kIterations; ++i) {
     const Eigen::Vector2d off = error(place(angles), depth, forward);
     if (off.norm() < kReached / 10) break;
-    Eigen::Matrix2d J = Eigen::Matrix2d::Zero();
+    Eigen::Matrix2d J = Eigen::Matrix2d::Identity();
     for (int k = 0; k < count_; ++k) {
       const Eigen::Vector2d step = kDifference * Eigen::Vector2d::Unit(k);
       J.col(k) = (error(place(angles + step), depth, forward) - error(place(angles - step), depth, forward)) /
                  (2 * kDifference);
     }
-    angles -= J.completeOrthogonalDecomposition().solve(off);
+    angles -= J.inverse() * off;
   }
   if (!angles.allFinite()) return std::nullopt;
   const Placed placed = place(angles);
