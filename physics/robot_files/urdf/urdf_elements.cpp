@@ -96,11 +96,13 @@ class ElementCopy {
     std::set<std::string> seen;
     for (auto* c = from.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
       const std::string& tag = c->ValueStr();
-      const bool is_mimic = tag == "mimic" && from.ValueStr() == "joint";
-      if ((tag == "visual" && from.ValueStr() == "link") || (is_mimic && seen.insert(tag).second)) {
-        count_unknown(*c);  // read by urdf_visuals.h, urdf_check.cpp
-      } else if (is_mimic) {
-        count("ignored ", " further <mimic>", *c);
+      const bool in_link = from.ValueStr() == "link";
+      const bool is_single =
+          tag == (in_link ? "contact" : "mimic") && (in_link || from.ValueStr() == "joint");
+      if (is_single && !seen.insert(tag).second) {
+        count("ignored ", fmt::format(" further <{}>", tag), *c);
+      } else if (is_single || (in_link && tag == "visual")) {
+        if (tag != "contact") count_unknown(*c);  // read by urdf_visuals.h, urdf_check.cpp, urdf_contact.h
       } else if (std::find(rule.children.begin(), rule.children.end(), tag) == rule.children.end()) {
         ignore(*c);
       } else if (tag != "collision" && (!seen.insert(tag).second || (is_geometry && seen.size() > 1))) {

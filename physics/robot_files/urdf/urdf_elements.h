@@ -1,6 +1,7 @@
 // What the elements of links and joints may hold.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -9,6 +10,9 @@
 class TiXmlElement;
 
 namespace crossgait {
+
+/// How much is shown of a value that is not used, bytes.
+inline constexpr std::size_t kMostOfAValue = 200;
 
 /// Labels an element: "link 'shin'".
 std::string urdf_label(const TiXmlElement& link_or_joint);

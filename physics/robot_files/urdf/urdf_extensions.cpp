@@ -11,12 +11,11 @@
 #include "physics/core/error.h"
 #include "physics/core/text.h"
 #include "physics/robot_files/ode_surface.h"
+#include "physics/robot_files/urdf/urdf_contact.h"
 #include "physics/robot_files/xml_text.h"
 
 namespace crossgait {
 namespace {
-
-constexpr std::size_t kMostOfAValue = 200;  // bytes that are shown of one
 
 /// Words of Gazebo's parser_urdf.cc, and why they are not simulated; of those without a reason nothing moves
 /// otherwise.
@@ -81,7 +80,7 @@ class ExtensionReader {
   ExtensionReader(const TiXmlElement& robot, const UrdfErrors& errors, ReaderWarnings& warnings)
       : robot_(robot), errors_(errors), warnings_(warnings) {
     for_each_child(robot, [this](const TiXmlElement& e) {
-      if (e.ValueStr() == "link") links_.insert(attribute_of(e, "name"));
+      if (e.ValueStr() == "link") read_link(e);
       if (e.ValueStr() == "joint") joints_.insert(attribute_of(e, "name"));
     });
   }
@@ -103,10 +102,17 @@ class ExtensionReader {
       }
     });
     for (const auto& [link, surface] : surfaces_) {
-      ContactNumbers numbers;
+      ContactNumbers& numbers = found_.surfaces[link];
+      const bool said = numbers.stated.contains("friction");
+      const double before = numbers.friction[0];
       take_ode_surface(surface.numbers, surface.place, numbers, warnings_);
-      found_.surfaces[link] = std::move(numbers);
+      if (said && numbers.friction[0] != before)
+        warnings_.count(
+            fmt::format("took mu {:g} of <gazebo>, not {:g} of <contact>, for ", numbers.friction[0], before),
+            " link(s)", surface.place);
     }
+    found_.ground = surfaces_.empty() ? "a ground of friction 1, as Bullet multiplies the two"
+                                      : "any ground, as the lesser mu is Gazebo's";
     for (auto& [key, unused] : unused_) found_.unused.push_back(std::move(unused));
     return std::move(found_);
   }
@@ -134,6 +140,13 @@ class ExtensionReader {
                    std::string_view why) {
     unused_[{of, std::string(name)}] = {of, std::string(name), printable_text(value, kMostOfAValue), "",
                                         fmt::format("not simulated: {}", why)};
+  }
+
+  void read_link(const TiXmlElement& link) {
+    const std::string name = attribute_of(link, "name");
+    links_.insert(name);
+    ContactNumbers numbers = read_urdf_contact(link, errors_, warnings_, found_.unused);
+    if (!numbers.is_empty()) found_.surfaces[name] = std::move(numbers);
   }
 
   void read_gazebo(const TiXmlElement& gazebo) {

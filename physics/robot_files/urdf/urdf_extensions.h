@@ -1,4 +1,4 @@
-// What a URDF says to Gazebo and to ros_control beside its links and joints.
+// What a URDF says to Gazebo, PyBullet and ros_control beside what every reader of it takes.
 #pragma once
 
 #include <map>
@@ -20,9 +20,11 @@ struct UrdfExtensions {
   std::map<std::string, ContactNumbers> surfaces;  ///< by link
   std::map<std::string, UrdfSpring> springs;       ///< by joint
   std::vector<UnusedQuantity> unused;
+  std::string ground;  ///< that the surfaces meet, for people
 };
 
-/// Reads the elements of `robot` that are neither links nor joints:
+/// Reads the elements of `robot` that are neither links nor joints, and the links' `<contact>`
+/// (urdf_contact.h):
 ///  - `<gazebo reference>`: `mu1`, `mu2`, `maxVel` and ODE's spring of a link's shapes (ode_surface.h),
 ///    `springStiffness` and `springReference` of a joint. What has no counterpart here is listed as unused;
 ///    of several that say one thing the last counts. Plug-ins are listed, not run; looks are passed over.

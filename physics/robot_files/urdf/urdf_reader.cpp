@@ -165,7 +165,7 @@ class TreeBuilder {
 
 void add_extensions(const UrdfExtensions& extensions, const std::string& path, ParsedRobot& robot) {
   robot.unused = extensions.unused;
-  robot.contact.ground = "any ground, as the lesser mu is Gazebo's";
+  robot.contact.ground = extensions.ground;
   for (const auto& [link, numbers] : extensions.surfaces) {
     const auto place = robot.links.find(link);
     if (place == robot.links.end()) continue;  // a root that stood for the world

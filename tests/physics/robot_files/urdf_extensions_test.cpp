@@ -58,6 +58,80 @@ TEST_F(UrdfExtensionsTest, SurfacesOfFeetAreWhatIsSimulated) {
   EXPECT_FALSE(warns(loaded, "gazebo")) << "all of it is used";
 }
 
+class UrdfContactTest : public UrdfExtensionsTest {
+ protected:
+  /// The serial robot, whose shins say this of contact.
+  LoadedRobot load_with(const std::string& contact, const std::string& more = "") {
+    return load_robot_with_report(write("contact.urdf", text_with(contact, more)));
+  }
+  ConfigError refusal_of(const std::string& contact) {
+    return config_error([&] { (void)load_with(contact); });
+  }
+
+ private:
+  static std::string text_with(const std::string& contact, const std::string& more) {
+    SerialUrdf urdf;
+    urdf.more = more;
+    std::string text = urdf.text();
+    for (const Leg leg : kLegs) {
+      const std::string link = fmt::format("<link name=\"{}_shin\">", name(leg));
+      const std::size_t place = text.find(link);
+      if (place == std::string::npos) throw std::logic_error("no " + link);
+      text.insert(place + link.size(), "<contact>" + contact + "</contact>");
+    }
+    return text;
+  }
+};
+
+TEST_F(UrdfContactTest, FrictionOfThreeKindsIsWhatIsSimulated) {
+  const LoadedRobot loaded = load_with(
+      "<lateral_friction value='0.7'/><spinning_friction value='0.02'/><rolling_friction value='0.001'/>");
+  const ContactSettings& contact = loaded.robot.contact;
+  ASSERT_NE(contact.find("friction"), nullptr);
+  EXPECT_EQ(*contact.find("friction"), std::vector{0.7});
+  ASSERT_NE(contact.find("torsional_friction"), nullptr);
+  EXPECT_EQ(*contact.find("torsional_friction"), std::vector{0.02});
+  ASSERT_NE(contact.find("rolling_friction"), nullptr);
+  EXPECT_EQ(*contact.find("rolling_friction"), std::vector{0.001});
+  EXPECT_EQ(*contact.find("condim"), std::vector{6.0});
+  EXPECT_FALSE(warns(loaded, "contact")) << "all of it is used";
+}
+
+TEST_F(UrdfContactTest, OfNoneAgainstTurningNothingIsAsked) {
+  const LoadedRobot loaded = load_with("<lateral_friction value='0.7'/><rolling_friction value='0'/>");
+  EXPECT_EQ(*loaded.robot.contact.find("friction"), std::vector{0.7});
+  EXPECT_EQ(loaded.robot.contact.find("condim"), nullptr);
+}
+
+TEST_F(UrdfContactTest, WhatNoContactHasIsListedAndTheUnknownCounted) {
+  const LoadedRobot loaded = load_with(
+      "<lateral_friction value='0.7'/><contact_erp value='0.9'/><stiffness value='30000'/><glue value='1'/>");
+  for (const auto& [name, value] : {std::pair("contact_erp", "0.9"), std::pair("stiffness", "30000")}) {
+    const UnusedQuantity* unused = find(loaded, "link 'FL_shin'", name);
+    ASSERT_NE(unused, nullptr) << name;
+    EXPECT_EQ(unused->value, value);
+    EXPECT_NE(unused->why.find("not simulated"), std::string::npos) << unused->why;
+  }
+  EXPECT_TRUE(warns(loaded, "ignored 4 <glue> of <contact>"));
+}
+
+TEST_F(UrdfContactTest, GazebosFrictionCountsBeforeBullets) {
+  const LoadedRobot loaded = load_with("<lateral_friction value='0.7'/>",
+                                       of_legs("<gazebo reference='{}_shin'><mu1>0.8</mu1></gazebo>"));
+  EXPECT_EQ(*loaded.robot.contact.find("friction"), std::vector{0.8});
+  EXPECT_TRUE(warns(loaded, "took mu 0.8 of <gazebo>, not 0.7 of <contact>, for 4 link(s)"));
+}
+
+TEST_F(UrdfContactTest, RefusesWhatIsNoNumber) {
+  for (const char* text : {"<lateral_friction value='x'/>", "<lateral_friction/>",
+                           "<rolling_friction value='-1'/>", "<spinning_friction value='nan'/>"}) {
+    const ConfigError error = refusal_of(text);
+    EXPECT_NE(error.element().find("link 'FL_shin', contact, "), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("line "), std::string::npos) << error.what();
+    EXPECT_EQ(error.expected(), "a number from 0 on");
+  }
+}
+
 TEST_F(UrdfExtensionsTest, WhatNoContactHasIsKeptAndCounted) {
   const LoadedRobot loaded = load(of_legs(
       "<gazebo "
