@@ -22,8 +22,7 @@ target_compile_options(crossgait_options INTERFACE -Wall -Wextra -Wpedantic -Wsh
                                                    -ffp-contract=off
                                                    # g++ looks for garbage from 128 MB on; from 1 GB on it takes a tenth less time;
                                                    # clang's tools, which read its commands, have none to collect
-                                                   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>
-                                                   $<$<CXX_COMPILER_ID:GNU>:-Wno-unused-command-line-argument>)
+                                                   "$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000;-Wno-unused-command-line-argument>")
 if(CROSSGAIT_SANITIZE)
   target_compile_options(crossgait_options INTERFACE -fsanitize=${CROSSGAIT_SANITIZE} -fno-omit-frame-pointer
                                                      -fno-sanitize-recover=all

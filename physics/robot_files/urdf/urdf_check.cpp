@@ -129,11 +129,8 @@ class UrdfCheck {
     if (mimic == nullptr) return;
     const auto number = [&](const char* name, double usual) {
       if (mimic->Attribute(name) == nullptr) return usual;
-      const auto value = parse_number(attribute_of(*mimic, name));
-      if (!value)
-        errors_.fail(*mimic, fmt::format("joint '{}', mimic, {}", name_of(joint), name), "1 finite number",
-                     fmt::format("'{}'", printable_text(attribute_of(*mimic, name), 200)));
-      return *value;
+      return errors_.number(*mimic, fmt::format("joint '{}', mimic, {}", name_of(joint), name),
+                            attribute_of(*mimic, name), true);
     };
     NamedCoupling coupling;
     coupling.follower = name_of(joint);

@@ -6,9 +6,7 @@
 #include <fmt/format.h>
 #include <tinyxml.h>
 
-#include "physics/core/error.h"
 #include "physics/core/text.h"
-#include "physics/robot/contact_settings.h"
 #include "physics/robot_files/ode_surface.h"
 #include "physics/robot_files/xml_text.h"
 
@@ -31,15 +29,6 @@ const std::map<std::string_view, std::string_view>& unused_words() {
   return table;
 }
 
-double number_of(const TiXmlElement& link, const TiXmlElement& word, const UrdfErrors& errors) {
-  const std::string text = trimmed(attribute_of(word, "value"));
-  const auto value = parse_number(text);
-  if (!value || *value < 0)
-    errors.fail(word, fmt::format("{}, contact, {}", urdf_label(link), word.Value()), "a number from 0 on",
-                fmt::format("'{}'", printable_text(text, kMostOfAValue)));
-  return *value;
-}
-
 }  // namespace
 
 ContactNumbers read_urdf_contact(const TiXmlElement& link, const UrdfErrors& errors, ReaderWarnings& warnings,
@@ -49,18 +38,21 @@ ContactNumbers read_urdf_contact(const TiXmlElement& link, const UrdfErrors& err
   if (contact == nullptr) return numbers;
   OdeSurface surface;
   double spinning = 0, rolling = 0;
-  const std::map<std::string_view, double*> turning{{"spinning_friction", &spinning},
-                                                    {"rolling_friction", &rolling}};
+  const auto number = [&](const TiXmlElement& word) {
+    return errors.number(word, fmt::format("{}, contact, {}", urdf_label(link), word.Value()),
+                         trimmed(attribute_of(word, "value")), false);
+  };
   for (auto* e = contact->FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
     const std::string& word = e->ValueStr();
-    const auto unused_word = unused_words().find(word);
+    const auto known = unused_words().find(word);
     if (word == "lateral_friction") {
-      surface.mu = number_of(link, *e, errors);
-    } else if (const auto place = turning.find(word); place != turning.end()) {
-      *place->second = number_of(link, *e, errors);
-    } else if (unused_word != unused_words().end()) {
-      unused.push_back({urdf_label(link), word, printable_text(attribute_of(*e, "value"), kMostOfAValue), "",
-                        fmt::format("not simulated: {}", unused_word->second)});
+      surface.mu = number(*e);
+    } else if (word == "spinning_friction") {
+      spinning = number(*e);
+    } else if (word == "rolling_friction") {
+      rolling = number(*e);
+    } else if (known != unused_words().end()) {
+      unused.push_back(unused_word(urdf_label(link), word, attribute_of(*e, "value"), known->second));
     } else {
       warnings.count("ignored ", fmt::format(" <{}> of <contact>", word), urdf_place(link, *e));
     }

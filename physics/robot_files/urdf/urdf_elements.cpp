@@ -96,13 +96,14 @@ class ElementCopy {
     std::set<std::string> seen;
     for (auto* c = from.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
       const std::string& tag = c->ValueStr();
-      const bool in_link = from.ValueStr() == "link";
-      const bool is_single =
-          tag == (in_link ? "contact" : "mimic") && (in_link || from.ValueStr() == "joint");
-      if (is_single && !seen.insert(tag).second) {
+      const bool in_link = from.ValueStr() == "link", in_joint = from.ValueStr() == "joint";
+      const bool is_contact = in_link && tag == "contact", is_mimic = in_joint && tag == "mimic";
+      if ((is_contact || is_mimic) && !seen.insert(tag).second) {
         count("ignored ", fmt::format(" further <{}>", tag), *c);
-      } else if (is_single || (in_link && tag == "visual")) {
-        if (tag != "contact") count_unknown(*c);  // read by urdf_visuals.h, urdf_check.cpp, urdf_contact.h
+      } else if (is_contact) {
+        continue;  // read by urdf_contact.h, which counts what is unknown
+      } else if (is_mimic || (in_link && tag == "visual")) {
+        count_unknown(*c);  // read by urdf_visuals.h, urdf_check.cpp
       } else if (std::find(rule.children.begin(), rule.children.end(), tag) == rule.children.end()) {
         ignore(*c);
       } else if (tag != "collision" && (!seen.insert(tag).second || (is_geometry && seen.size() > 1))) {
@@ -243,6 +244,21 @@ void UrdfErrors::fail(const TiXmlElement& at, std::string_view element, std::str
 void UrdfErrors::fail(const TiXmlElement& link_or_joint, std::string_view expected,
                       std::string_view found) const {
   fail(link_or_joint, urdf_label(link_or_joint), expected, found);
+}
+
+double UrdfErrors::number(const TiXmlElement& at, std::string_view element, const std::string& text,
+                          bool may_be_negative) const {
+  const auto value = parse_number(text);
+  if (!value || (!may_be_negative && *value < 0))
+    fail(at, element, may_be_negative ? "1 finite number" : "a number from 0 on",
+         fmt::format("'{}'", printable_text(text, kMostOfAValue)));
+  return *value;
+}
+
+UnusedQuantity unused_word(const std::string& of, std::string_view word, const std::string& value,
+                           std::string_view why) {
+  return {of, std::string(word), printable_text(value, kMostOfAValue), "",
+          fmt::format("not simulated: {}", why)};
 }
 
 void copy_urdf_element(const TiXmlElement& link_or_joint, TiXmlElement& copy, const UrdfErrors& errors,

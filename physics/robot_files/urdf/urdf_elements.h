@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "physics/robot_files/parsed_robot.h"
 #include "physics/robot_files/reader_warnings.h"
 
 class TiXmlElement;
@@ -19,6 +20,10 @@ std::string urdf_label(const TiXmlElement& link_or_joint);
 /// Says "link 'shin' (line 7)".
 std::string urdf_place(const TiXmlElement& link_or_joint, const TiXmlElement& at);
 
+/// Lists a word of a URDF that nothing here follows. @param of  the joint, or "link 'shin'"
+UnusedQuantity unused_word(const std::string& of, std::string_view word, const std::string& value,
+                           std::string_view why);
+
 /// Throws for one file.
 class UrdfErrors {
  public:
@@ -28,6 +33,10 @@ class UrdfErrors {
                          std::string_view found) const;
   [[noreturn]] void fail(const TiXmlElement& link_or_joint, std::string_view expected,
                          std::string_view found) const;
+  /// Returns the number of `text`, which is at the line of `at`.
+  /// @throws ConfigError if it is none, not finite, or below 0 where it must not be
+  double number(const TiXmlElement& at, std::string_view element, const std::string& text,
+                bool may_be_negative) const;
 
  private:
   const std::string& source_;

@@ -126,20 +126,13 @@ class ExtensionReader {
   }
 
   double number(const TiXmlElement& e, bool may_be_negative) const {
-    const std::string text = value_of(e);
-    const auto value = parse_number(text);
-    if (!value || (!may_be_negative && *value < 0))
-      errors_.fail(e, fmt::format("gazebo, {}", e.Value()),
-                   may_be_negative ? "1 finite number" : "a number from 0 on",
-                   fmt::format("'{}'", printable_text(text, kMostOfAValue)));
-    return *value;
+    return errors_.number(e, fmt::format("gazebo, {}", e.Value()), value_of(e), may_be_negative);
   }
 
   /// The last that is said of a thing counts.
   void list_unused(const std::string& of, std::string_view name, const std::string& value,
                    std::string_view why) {
-    unused_[{of, std::string(name)}] = {of, std::string(name), printable_text(value, kMostOfAValue), "",
-                                        fmt::format("not simulated: {}", why)};
+    unused_[{of, std::string(name)}] = unused_word(of, name, value, why);
   }
 
   void read_link(const TiXmlElement& link) {
