@@ -13,6 +13,8 @@
 namespace crossgait {
 namespace {
 
+constexpr double kUsualFriction = 0.5;  // Bullet's of a body that says nothing (btCollisionObject)
+
 /// Words that nothing here follows, and why.
 const std::map<std::string_view, std::string_view>& unused_words() {
   static constexpr std::string_view kWorld = "one setting of the world here (--contact erp=, cfm=)";
@@ -57,8 +59,16 @@ ContactNumbers read_urdf_contact(const TiXmlElement& link, const UrdfErrors& err
       warnings.count("ignored ", fmt::format(" <{}> of <contact>", word), urdf_place(link, *e));
     }
   }
-  take_ode_surface(surface, urdf_place(link, *contact), numbers, warnings);
-  if (spinning == 0 && rolling == 0) return numbers;
+  const bool turns = spinning > 0 || rolling > 0;
+  const std::string place = urdf_place(link, *contact);
+  if (turns && !surface.mu) {
+    surface.mu = kUsualFriction;
+    warnings.count(
+        fmt::format("took {:g}, Bullet's, for the lateral_friction that is missing in ", kUsualFriction),
+        " <contact>", place);
+  }
+  take_ode_surface(surface, place, numbers, warnings);
+  if (!turns) return numbers;
   // A contact that resists rolling resists turning as well, as much as the file says.
   numbers.friction[1] = spinning;
   numbers.friction[2] = rolling;

@@ -103,6 +103,13 @@ TEST_F(UrdfContactTest, OfNoneAgainstTurningNothingIsAsked) {
   EXPECT_EQ(loaded.robot.contact.find("condim"), nullptr);
 }
 
+TEST_F(UrdfContactTest, FrictionAgainstTurningAloneComesWithBulletsAgainstSliding) {
+  const LoadedRobot loaded = load_with("<spinning_friction value='0.02'/>");
+  EXPECT_EQ(*loaded.robot.contact.find("friction"), std::vector{0.5});
+  EXPECT_EQ(*loaded.robot.contact.find("condim"), std::vector{4.0});
+  EXPECT_TRUE(warns(loaded, "took 0.5, Bullet's, for the lateral_friction that is missing in 4 <contact>"));
+}
+
 TEST_F(UrdfContactTest, WhatNoContactHasIsListedAndTheUnknownCounted) {
   const LoadedRobot loaded = load_with(
       "<lateral_friction value='0.7'/><contact_erp value='0.9'/><stiffness value='30000'/><glue value='1'/>");
