@@ -143,25 +143,68 @@ bool are_alike(const Leaves& a, const Leaves& b) {
                     });
 }
 
-}  // namespace
+// Says where each body of `b` goes, and which joints were turned around on the way.
+struct Reordering {
+  const RobotDescription& a;
+  std::vector<int> now;
+  std::vector<bool> is_turned;
 
-RobotDescription in_order_of(const RobotDescription& a, const RobotDescription& b) {
-  const std::vector<std::size_t> place = bodies_like(a, b);
-  std::vector<int> now(place.size());  // where each body of b goes
-  for (std::size_t i = 0; i < place.size(); ++i) now[place[i]] = static_cast<int>(i);
-  const auto joint_now = [&now](int joint) { return now[static_cast<std::size_t>(joint) + 1] - 1; };
-  // Of couplings of `a` first, in its order.
-  const auto order = [&a](const JointCoupling& coupling) {
+  int joint_now(int joint) const { return now[static_cast<std::size_t>(joint) + 1] - 1; }
+};
+
+// Of couplings of `a` first, in its order.
+void reorder_couplings(const Reordering& to, std::vector<JointCoupling>& couplings) {
+  const auto order = [&a = to.a](const JointCoupling& coupling) {
     const JointCoupling* own = a.coupling_of(coupling.follower);
     return std::pair(own == nullptr ? a.couplings.size() : static_cast<std::size_t>(own - a.couplings.data()),
                      coupling.follower);
   };
-  std::vector<bool> is_turned(static_cast<std::size_t>(b.joint_count()));
+  for (JointCoupling& coupling : couplings) {
+    coupling.follower = to.joint_now(coupling.follower);
+    coupling.leader = to.joint_now(coupling.leader);
+    if (to.is_turned[static_cast<std::size_t>(coupling.leader)]) {
+      coupling.coefficients[1] = 0 - coupling.coefficients[1];
+      coupling.coefficients[3] = 0 - coupling.coefficients[3];
+    }
+    if (to.is_turned[static_cast<std::size_t>(coupling.follower)]) {
+      for (double& coefficient : coupling.coefficients) coefficient = 0 - coefficient;
+    }
+  }
+  std::sort(couplings.begin(), couplings.end(),
+            [&](const JointCoupling& x, const JointCoupling& y) { return order(x) < order(y); });
+}
+
+void reorder_loops(const Reordering& to, std::vector<LoopClosure>& loops) {
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    LoopClosure& loop = loops[i];
+    loop.body_a = to.now[static_cast<std::size_t>(loop.body_a)];
+    loop.body_b = to.now[static_cast<std::size_t>(loop.body_b)];
+    if (i < to.a.loops.size()) loop.name = to.a.loops[i].name;
+  }
+}
+
+void reorder_legs(const Reordering& to, LegArray<LegModel>& legs) {
+  const auto joint_now = [&to](int joint) { return to.joint_now(joint); };
+  for (const Leg leg : kLegs) {
+    LegModel& model = legs[leg];
+    std::transform(model.servos.begin(), model.servos.end(), model.servos.begin(), joint_now);
+    std::transform(model.passive.begin(), model.passive.end(), model.passive.begin(), joint_now);
+    model.foot_body = to.now[static_cast<std::size_t>(model.foot_body)];
+  }
+}
+
+}  // namespace
+
+RobotDescription in_order_of(const RobotDescription& a, const RobotDescription& b) {
+  const std::vector<std::size_t> place = bodies_like(a, b);
+  Reordering to{a, std::vector<int>(place.size()),
+                std::vector<bool>(static_cast<std::size_t>(b.joint_count()))};
+  for (std::size_t i = 0; i < place.size(); ++i) to.now[place[i]] = static_cast<int>(i);
   RobotDescription robot = b;
   for (std::size_t i = 0; i < place.size(); ++i) {
     const Body& like = a.bodies[i];
     Body& body = robot.bodies[i] = b.bodies[place[i]];
-    if (i > 0) body.parent = now[static_cast<std::size_t>(body.parent)];
+    if (i > 0) body.parent = to.now[static_cast<std::size_t>(body.parent)];
     if (body.parent != like.parent || body.joint.actuated != like.joint.actuated)
       refuse(b, fmt::format("body '{}'", body.name),
              fmt::format("what it hangs on, and whether a servo moves it, as '{}' of {}", like.name, a.name),
@@ -174,36 +217,12 @@ RobotDescription in_order_of(const RobotDescription& a, const RobotDescription& 
       body.shapes[k].name = like.shapes[k].name;
     if (i > 0 && body.joint.axis.dot(like.joint.axis) < 0 && b.home.size() == b.joint_count()) {
       turn_around(body.joint, robot.home[static_cast<Eigen::Index>(i) - 1]);
-      is_turned[i - 1] = true;
+      to.is_turned[i - 1] = true;
     }
   }
-  for (std::size_t i = 0; i < robot.loops.size(); ++i) {
-    LoopClosure& loop = robot.loops[i];
-    loop.body_a = now[static_cast<std::size_t>(loop.body_a)];
-    loop.body_b = now[static_cast<std::size_t>(loop.body_b)];
-    if (i < a.loops.size()) loop.name = a.loops[i].name;
-  }
-  for (JointCoupling& coupling : robot.couplings) {
-    coupling.follower = joint_now(coupling.follower);
-    coupling.leader = joint_now(coupling.leader);
-    if (is_turned[static_cast<std::size_t>(coupling.leader)]) {
-      coupling.coefficients[1] = 0 - coupling.coefficients[1];
-      coupling.coefficients[3] = 0 - coupling.coefficients[3];
-    }
-    if (is_turned[static_cast<std::size_t>(coupling.follower)]) {
-      for (double& coefficient : coupling.coefficients) coefficient = 0 - coefficient;
-    }
-  }
-  std::sort(robot.couplings.begin(), robot.couplings.end(),
-            [&](const JointCoupling& x, const JointCoupling& y) { return order(x) < order(y); });
-  if (robot.legs) {
-    for (const Leg leg : kLegs) {
-      LegModel& model = (*robot.legs)[leg];
-      std::transform(model.servos.begin(), model.servos.end(), model.servos.begin(), joint_now);
-      std::transform(model.passive.begin(), model.passive.end(), model.passive.begin(), joint_now);
-      model.foot_body = now[static_cast<std::size_t>(model.foot_body)];
-    }
-  }
+  reorder_loops(to, robot.loops);
+  reorder_couplings(to, robot.couplings);
+  if (robot.legs) reorder_legs(to, *robot.legs);
   robot.validate();
   check_angles(a, robot);
   return robot;

@@ -27,7 +27,7 @@ double length_in(const SdfElement& shape, const char* name) {
 }
 
 Vector3 lengths_in(const SdfElement& shape, const char* name) {
-  const Vector3 lengths = sdf_vector(shape, name, Vector3::Ones());
+  Vector3 lengths = sdf_vector(shape, name, Vector3::Ones());
   if (!(lengths.minCoeff() > 0)) fail_at(shape, fmt::format("a {} above 0", name), "another one");
   return lengths;
 }

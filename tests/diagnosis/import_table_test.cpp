@@ -11,7 +11,7 @@ namespace crossgait {
 namespace {
 
 std::string folder_with(const std::string& table) {
-  const std::string name = "imported_" + std::to_string(std::hash<std::string>()(table));
+  std::string name = "imported_" + std::to_string(std::hash<std::string>()(table));
   std::filesystem::create_directories(name);
   std::ofstream(name + "/" + name + ".yaml") << "kind: scripted\n";
   if (!table.empty()) std::ofstream(name + "/import.json") << table;

@@ -53,10 +53,10 @@ inline std::string engine_of_test(const ::testing::TestParamInfo<std::string>& t
 
 /// Prints a figure for docs/parity-measurements.md (`ctest -V | grep measured`) and keeps it in the XML
 /// report.
-inline void measured(const std::string& what, double value) {
-  ::testing::Test::RecordProperty(what, std::to_string(value));
+inline void measured(const std::string& what, double figure) {
+  ::testing::Test::RecordProperty(what, std::to_string(figure));
   std::printf("measured %s: %s = %.3g\n", ::testing::UnitTest::GetInstance()->current_test_info()->name(),
-              what.c_str(), value);
+              what.c_str(), figure);
 }
 
 }  // namespace crossgait
