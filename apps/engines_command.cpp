@@ -22,6 +22,7 @@ nlohmann::ordered_json to_json(const EngineListing& entry) {
           {"joint_friction_law", entry.info.laws.joint_friction},
           {"joint_limit_law", entry.info.laws.joint_limits},
           {"coupling_law", entry.info.laws.couplings},
+          {"implicit_servo_law", entry.info.laws.implicit_servos},
           {"capabilities",
            {{"soft_contact", entry.info.capabilities.soft_contact},
             {"soft_friction", entry.info.capabilities.soft_friction},

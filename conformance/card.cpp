@@ -151,6 +151,7 @@ nlohmann::ordered_json to_json(const Card& card) {
                                        {"joint_friction_law", engine.laws.joint_friction},
                                        {"joint_limit_law", engine.laws.joint_limits},
                                        {"coupling_law", engine.laws.couplings},
+                                       {"implicit_servo_law", engine.laws.implicit_servos},
                                        {"precision", name_of(precision)}}},
                                      {"passed", card.count(Status::kPassed)},
                                      {"failed", card.count(Status::kFailed)},

@@ -95,6 +95,7 @@ const std::vector<Check>& checks() {
                                                      {"couplings", coupling_checks},
                                                      {"joint friction", joint_friction_checks},
                                                      {"joint limits", joint_limit_checks},
+                                                     {"implicit servos", implicit_servo_checks},
                                                      {"determinism", determinism_checks},
                                                      {"parity", parity_checks}};
     std::vector<Check> all;

@@ -24,8 +24,6 @@ std::unique_ptr<PhysicsBackend> make_arm(const Subject& subject, const scenes::R
   return subject.make(spec);
 }
 
-JointTargets target(double angle) { return {JointVector::Constant(1, angle)}; }
-
 std::vector<double> small_swings(const Subject& subject) {
   const ArmLink link{.armature = 1e-3};
   const double w = frequency_of(link), h = 1e-3, amplitude = 1e-3;
@@ -183,9 +181,7 @@ std::vector<double> servo_no_load_speed(const Subject& subject) {
   return {worst / (0.5 * 5 * 1e-3 / lag), world->state().qd[0]};
 }
 
-}  // namespace
-
-std::vector<Check> joint_checks() {
+std::vector<Check> pendulum_checks() {
   return {
       {"pendulum_small_swings",
        "A joint's inertia, armature included, and its weight's torque",
@@ -216,6 +212,11 @@ std::vector<Check> joint_checks() {
                 "seen half a step late (0.005), and errors of earlier turns have added up"),
         between(0.4, 0.6, "the drift at h / 2 over h", "", "first order")},
        double_pendulum},
+  };
+}
+
+std::vector<Check> servo_checks() {
+  return {
       {"servo_step",
        "Torques handed to the engine act at once and in full: a step response in closed form",
        {at_most(1, "off the closed form, share of the step, over w h", "",
@@ -250,6 +251,14 @@ std::vector<Check> joint_checks() {
         at_least(4.7, "speed in the end, of 5", "rad/s", "95 % after three lags")},
        servo_no_load_speed},
   };
+}
+
+}  // namespace
+
+std::vector<Check> joint_checks() {
+  std::vector<Check> all = pendulum_checks();
+  for (Check& check : servo_checks()) all.push_back(std::move(check));
+  return all;
 }
 
 }  // namespace crossgait::conformance

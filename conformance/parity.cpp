@@ -129,6 +129,13 @@ std::vector<double> same_couplings(const Subject& subject) {
       subject, spec, [](RobotState&) {}, [&](double t) { return trot.targets(t); }, scenes::Trot::kStand + 2);
 }
 
+std::vector<double> same_implicit_servos(const Subject& subject) {
+  const WorldSpec spec = scenes::world_of(scenes::with_implicit_servos(scenes::quadruped()));
+  const scenes::Trot trot(*spec.robot);
+  return same_motion(
+      subject, spec, [](RobotState&) {}, [&](double t) { return trot.targets(t); }, scenes::Trot::kStand + 2);
+}
+
 std::vector<double> walks_as_far(const Subject& subject) {
   std::vector<double> values;
   for (const char* terrain : {"flat", "rough:seed=1,size_x=4,size_y=2"}) {
@@ -209,6 +216,14 @@ std::vector<Check> parity_checks() {
        {"another engine declares the same Laws, with couplings",
         [](const Subject& subject) {
           return !subject.engine.info.laws.couplings.empty() && other_of_same_laws(subject) != nullptr;
+        }}},
+      {"same_implicit_servos",
+       "Engines of the same laws trot alike on implicit servos",
+       same_requirements(),
+       same_implicit_servos,
+       {"another engine declares the same Laws, with implicit servos",
+        [](const Subject& subject) {
+          return !subject.engine.info.laws.implicit_servos.empty() && other_of_same_laws(subject) != nullptr;
         }}},
       {"walks_as_far",
        "A trot is a trot: as far and as level as in the first engine of other laws",

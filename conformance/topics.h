@@ -12,7 +12,6 @@ namespace crossgait::conformance {
 std::vector<Check> model_checks();
 std::vector<Check> free_motion_checks();
 std::vector<Check> joint_checks();
-std::vector<Check> implicit_servo_checks();
 std::vector<Check> ground_checks();
 std::vector<Check> friction_checks();
 std::vector<Check> contact_checks();
@@ -21,11 +20,15 @@ std::vector<Check> loop_checks();
 std::vector<Check> coupling_checks();
 std::vector<Check> joint_friction_checks();
 std::vector<Check> joint_limit_checks();
+std::vector<Check> implicit_servo_checks();
 std::vector<Check> determinism_checks();
 std::vector<Check> parity_checks();
 
 /// @throws std::runtime_error if the engine does not take the step
 void advance(PhysicsBackend& world, const JointTargets& targets, int steps = 1);
+
+/// Returns the targets of an arm whose one servo is to be at `angle`, rad.
+inline JointTargets target(double angle) { return {JointVector::Constant(1, angle)}; }
 
 /// Makes an arm of this one link on a fixed base, let go. @param gravity,angle,speed  m/s^2 in W, rad, rad/s
 std::unique_ptr<PhysicsBackend> swinging_arm(const Subject& subject, const scenes::ArmLink& link,

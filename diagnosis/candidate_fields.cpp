@@ -32,7 +32,7 @@ constexpr std::array kRows{
     FieldRow{"observation.delay", "age of what is seen", kContract, 3, fields::observation_delay},
     FieldRow{"history", "layout, and what was before the episode", kContract, 4, fields::history},
     FieldRow{"policy_dt", "rates of policy and physics", kContract, 6, fields::rates},
-    FieldRow{"servos.kp", "gains", kContract, 7, fields::servo_gains},
+    FieldRow{"servos.kp", "gains, and the law: explicit, damping, drive", kContract, 7, fields::servo_gains},
     FieldRow{"servos.effort", "torque limit", kContract, 2, fields::servo_effort},
     FieldRow{"servos.armature", "armature, damping, dry friction", kContract, 5, fields::joint_losses},
     FieldRow{"servos.delay", "what drives fall short of", kContract, 3, fields::drives},

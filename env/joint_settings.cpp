@@ -10,6 +10,7 @@
 #include "motion/standing.h"
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
+#include "physics/robot/actuator.h"
 #include "physics/robot/robot_check.h"
 
 namespace crossgait {
@@ -54,6 +55,11 @@ void check_stiffness(const JointActionSettings& settings, const Joint& joint, st
     throw ConfigError(source, fmt::format("servos.kp of {}", joint.name),
                       "a stiffness above 0, by which its servo is made to give a torque",
                       fmt::format("{:g}", joint.kp));
+  if (settings.computes_torque(joint.name) && is_implicit(joint))
+    throw ConfigError(source, fmt::format("servos of {}", joint.name),
+                      "an explicit servo (law: explicit), which makes the torque that it is given",
+                      fmt::format("implicit_stiffness {:g}, implicit_damping {:g}", joint.implicit_stiffness,
+                                  joint.implicit_damping));
   if (settings.command_of(joint.name) == JointCommand::kVelocity && !(joint.kd > 0))
     throw ConfigError(source, fmt::format("servos.kd of {}", joint.name),
                       "a damping above 0, by which its servo follows a velocity",

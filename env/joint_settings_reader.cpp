@@ -2,6 +2,7 @@
 #include <array>
 
 #include "env/env_config_yaml.h"
+#include "physics/core/find_row.h"
 
 namespace crossgait::env_yaml {
 namespace {
@@ -39,6 +40,33 @@ void read_commands(const YamlValue& joints, JointActionSettings& settings) {
     read_choice(*command, joint, joint == kAllServos ? settings.command : settings.commands[joint], known);
 }
 
+// A law by its name in the place of its numbers: one, or by joint.
+void read_law(const YamlValue& servos, const YamlValue& law, ServoSettings& settings) {
+  ServoNumbers& stiffness = settings["implicit_stiffness"];
+  ServoNumbers& damping = settings["implicit_damping"];
+  for (const char* number : {"implicit_stiffness", "implicit_damping"}) {
+    if (const auto value = servos.find(number)) value->fail("either a law or its numbers", "both");
+  }
+  const auto row = [&](const YamlValue& name) -> const ServoLaw& {
+    return find_row(kServoLaws, name.text(), servos.source(), "servo law");
+  };
+  if (!law.is_mapping()) {
+    stiffness.all = row(law).implicit_stiffness;
+    damping.all = row(law).implicit_damping;
+    return;
+  }
+  for (const auto& [joint, name] : law.entries()) {
+    const ServoLaw& of = row(name);
+    if (joint == kAllServos) {
+      stiffness.all = of.implicit_stiffness;
+      damping.all = of.implicit_damping;
+    } else {
+      stiffness.by_name[joint] = of.implicit_stiffness;
+      damping.by_name[joint] = of.implicit_damping;
+    }
+  }
+}
+
 }  // namespace
 
 void read(const YamlValue& root, std::string_view key, ServoNumbers& numbers) {
@@ -48,10 +76,13 @@ void read(const YamlValue& root, std::string_view key, ServoNumbers& numbers) {
 void read_servos(const YamlValue& root, EnvConfig& config) {
   const auto servos = root.find("servos");
   if (!servos) return;
-  servos->allow_keys(
-      joint_number_names({JointNumberOf::kServo, JointNumberOf::kJoint, JointNumberOf::kDrive}));
+  std::vector<std::string_view> keys =
+      joint_number_names({JointNumberOf::kServo, JointNumberOf::kJoint, JointNumberOf::kDrive});
+  keys.push_back(kServoLawKey);
+  servos->allow_keys(keys);
   for (std::size_t i = 0; i < kJointNumbers.size(); ++i)
     read(*servos, kJointNumbers[i].name, config.servos.numbers[i]);
+  if (const auto law = servos->find(kServoLawKey)) read_law(*servos, *law, config.servos);
 }
 
 void read_joints(const YamlValue& root, EnvConfig& config) {

@@ -9,6 +9,7 @@
 
 #include "parity/model_probes.h"
 #include "physics/core/error.h"
+#include "physics/robot/actuator.h"
 
 namespace crossgait {
 namespace {
@@ -154,6 +155,12 @@ bool same_loops(const PhysicsBackend& a, const PhysicsBackend& b) {
   return a.robot().loops.empty() || a.info().laws.loops == b.info().laws.loops;
 }
 
+bool same_servos(const PhysicsBackend& a, const PhysicsBackend& b) {
+  const std::vector<int> servos = a.robot().actuated_joints();
+  return a.info().laws.implicit_servos == b.info().laws.implicit_servos ||
+         std::none_of(servos.begin(), servos.end(), [&](int i) { return is_implicit(a.robot().joint(i)); });
+}
+
 bool same_couplings(const PhysicsBackend& a, const PhysicsBackend& b) {
   return a.robot().couplings.empty() || a.info().laws.couplings == b.info().laws.couplings;
 }
@@ -293,7 +300,7 @@ void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
 }
 
 void audit_motion(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
-  if (!same_joint_friction(a, b) || !same_loops(a, b) || !same_couplings(a, b)) return;
+  if (!same_joint_friction(a, b) || !same_loops(a, b) || !same_couplings(a, b) || !same_servos(a, b)) return;
   const double eps = coarser_epsilon(a, b);
   Worst motion("motion in the air", "m/s or rad/s", eps);
   const RobotState state = probes::swinging(a);

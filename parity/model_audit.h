@@ -40,8 +40,8 @@ struct ModelAudit {
 /// same ratio at four times the speed, in both worlds (friction; not measured of a foot for which 1 to 64 m/s
 /// are too slow for that); depth and number of the contact points of every body pressed into the ground from
 /// eight sides (collision shape, contact points); motion of the swinging robot in the air (loops and what
-/// else there may be; with loops, couplings or dry friction in joints only between engines of one law of
-/// them). Between engines of one contact law also the force on pressed feet (contact law).
+/// else there may be; with loops, couplings, implicit servos or dry friction in joints only between engines
+/// of one law of them). Between engines of one contact law also the force on pressed feet (contact law).
 ///
 /// @returns differences beyond 1e-6 of the larger value or rounding (ray tests: 1e-5 m; friction, where
 /// solvers stop early: 1e-3)

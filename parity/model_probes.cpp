@@ -6,6 +6,7 @@
 
 #include "physics/core/across_axis.h"
 #include "physics/engine/contact_features.h"
+#include "physics/robot/actuator.h"
 #include "physics/robot/multibody.h"
 
 namespace crossgait::probes {
@@ -36,6 +37,29 @@ double torque_of(PhysicsBackend& world, const RobotState& state, int joint, doub
   return world.step(targets_at(world.robot(), q)) == StepStatus::kOk
              ? world.torques()[joint]
              : std::numeric_limits<double>::infinity();
+}
+
+/// What an implicit servo's torque falls by per acceleration, kg m^2; 0 of an explicit one.
+double servo_inertia(const PhysicsBackend& world, int joint) {
+  const Joint& of = world.robot().joint(joint);
+  if (!is_implicit(of)) return 0;
+  const auto servo = implicit_servo(of, joint, 2 * of.backlash + 1, 0, 0, world.spec().physics_dt);
+  return servo ? servo->inertia : 0;
+}
+
+/// The same torque as if the joint did not accelerate in the step: what an implicit servo's falls by depends
+/// on all that the joint is part of.
+double torque_at_rest(PhysicsBackend& world, const RobotState& state, int joint, double target) {
+  const double torque = torque_of(world, state, joint, target);
+  const double acceleration = (world.state().qd[joint] - state.qd[joint]) / world.spec().physics_dt;
+  return torque + servo_inertia(world, joint) * acceleration;
+}
+
+/// Inertia that the joint moves with all else free, kg m^2.
+double free_inertia(const PhysicsBackend& world, int joint) {
+  const Eigen::MatrixXd M = world.mass_matrix();
+  const Eigen::Index at = M.rows() - world.robot().joint_count() + joint;
+  return 1 / M.inverse()(at, at);
 }
 
 /// Velocity of the point of `body` that is at `p_WP` now, m/s.
@@ -103,7 +127,8 @@ ServoResponse servo_response(PhysicsBackend& world, int joint) {
   }
   // From this far away a target takes all of the torque; further off, what keeps joints within their limits
   // would throw the robot about.
-  const double range = std::min(1e3, 2 * std::max(of.effort_limit, of.effort_negative) / of.kp);
+  const double give = is_implicit(of) ? servo_inertia(world, joint) / free_inertia(world, joint) : 0;
+  const double range = std::min(1e3, 2 * (1 + give) * std::max(of.effort_limit, of.effort_negative) / of.kp);
   RobotState outside = rest;
   outside.q[joint] -= range;
   RobotState outside_turning = outside;
@@ -111,8 +136,9 @@ ServoResponse servo_response(PhysicsBackend& world, int joint) {
   response.effort_limit = torque_of(world, outside, joint, rest.q[joint]);
   response.joint_damping =
       (response.effort_limit - torque_of(world, outside_turning, joint, rest.q[joint])) / kSpeed;
-  response.stiffness = torque_of(world, rest, joint, rest.q[joint] + kSmall) / kSmall;
-  response.servo_damping = -torque_of(world, turning, joint, rest.q[joint]) / kSpeed - response.joint_damping;
+  response.stiffness = torque_at_rest(world, rest, joint, rest.q[joint] + kSmall) / kSmall;
+  response.servo_damping =
+      -torque_at_rest(world, turning, joint, rest.q[joint]) / kSpeed - response.joint_damping;
   return response;
 }
 

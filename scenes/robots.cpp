@@ -377,6 +377,17 @@ RobotPtr with_joint_friction(const RobotPtr& robot, double friction) {
   return std::make_shared<const RobotDescription>(std::move(changed));
 }
 
+RobotPtr with_implicit_servos(const RobotPtr& robot, double stiffer) {
+  RobotDescription changed = *robot;
+  for (const int i : robot->actuated_joints()) {
+    Joint& joint = changed.bodies[static_cast<std::size_t>(i) + 1].joint;
+    joint.kp *= stiffer;
+    joint.kd *= stiffer;
+    joint.implicit_stiffness = joint.implicit_damping = 1;
+  }
+  return std::make_shared<const RobotDescription>(std::move(changed));
+}
+
 RobotPtr with_coupled_hips(const RobotPtr& robot) {
   RobotDescription changed = *robot;
   for (const auto& [hind, front] : {std::pair(Leg::RR, Leg::FL), std::pair(Leg::RL, Leg::FR)}) {

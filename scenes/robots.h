@@ -87,6 +87,8 @@ RobotPtr finished(RobotDescription robot);
 RobotPtr without_loops(const RobotPtr& robot);
 /// Returns the robot with this dry friction in every joint, N m.
 RobotPtr with_joint_friction(const RobotPtr& robot, double friction);
+/// Makes servos implicit, springs and dampers `stiffer` times as stiff (actuator.h).
+RobotPtr with_implicit_servos(const RobotPtr& robot, double stiffer = 1);
 /// Couples the hip (or left shoulder) of each hind leg of the robot to that of the front leg across from it,
 /// with which it moves in a trot.
 RobotPtr with_coupled_hips(const RobotPtr& robot);

@@ -82,9 +82,7 @@ class Quantities {
     for (const JointNumber& number : kJointNumbers) {
       if (number.of != JointNumberOf::kJoint && !joint.actuated) continue;
       const double says = file.*number.member, used = joint.*number.member;
-      // What drives, springs and limits of one direction add is off unless it is said.
-      const bool usual = number.of != JointNumberOf::kDrive && number.member != &Joint::stiffness &&
-                         number.member != &Joint::effort_negative;
+      const bool usual = !is_off_at_zero(number) && number.member != &Joint::stiffness;
       if (!usual && says == 0 && used == 0) continue;
       add(joint.name, number.name, number.unit, unless_zero(says), used,
           reason(joint, number.name, says != 0));
@@ -221,7 +219,9 @@ class Quantities {
     if (file.noslip_iterations)
       add("world", "noslip_iterations", "", *file.noslip_iterations, 0.0, "not simulated");
     add("world", "integrator", "", word(file.integrator), std::string("Euler"),
-        "semi-implicit in every engine; damping and servos explicit");
+        "semi-implicit in every engine; servos as implicit_stiffness and implicit_damping have them, damping "
+        "of "
+        "joints explicit");
     add("world", "cone", "", word(file.cone), std::string(crossgait::name(world_.contact.cone)),
         file.cone == crossgait::name(world_.contact.cone) ? kOfFile : "the world's");
     add("world", "impratio", "", number(file.impratio), world_.contact.impratio,

@@ -28,6 +28,7 @@ EngineInfo make_info(const ContactFactors& factors, bool own_code) {
                .joint_friction = factors.hard_joint_friction ? "hard" + way : "mujoco",
                .joint_limits = factors.hard_joint_limits ? "hard" + way : "mujoco",
                .couplings = "mujoco",
+               .implicit_servos = own_code ? "" : "implicit" + way,
                .contact_family = contact::family_name(factors)};
   if (!own_code) info.own_parts = contact::own_parts();
   if (own_code) {
@@ -84,7 +85,7 @@ class BulletBackend final : public PhysicsBackend {
   }
 
   StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept override {
-    solver_->begin_step(tau);
+    solver_->begin_step(tau, implicit_servos());
     body().addBaseForce(vector(base.force));
     body().addBaseTorque(vector(base.torque));
     world_->step();

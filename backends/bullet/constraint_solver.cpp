@@ -49,9 +49,10 @@ void ConstraintSolver::set_velocity(const DofVector& velocity) noexcept {
   for (int i = 0; i < body.getNumLinks(); ++i) body.setJointVel(i, velocity[6 + i]);
 }
 
-void ConstraintSolver::begin_step(const JointVector& torque) noexcept {
+void ConstraintSolver::begin_step(const JointVector& torque, std::span<const ImplicitServo> servos) noexcept {
   before_ = bullet_velocity();
   torque_ = torque;
+  servos_ = servos;
   contacts_.begin_step();
   pending_ = true;
   finite_ = true;
@@ -82,7 +83,7 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
     } else {
       finder_.find(bodies_, points_);
     }
-    set_velocity(contacts_.solve(before_, angles_, points_));
+    set_velocity(contacts_.solve(before_, angles_, points_, servos_));
     return;
   }
   correction_ = joints_.velocity() - after_dynamics;

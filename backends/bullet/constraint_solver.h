@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <BulletDynamics/Featherstone/btMultiBodyConstraint.h>
@@ -29,7 +30,8 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
                    MultibodyModel& model);
 
   /// Remembers velocities and the torques to apply; call it before the world steps.
-  void begin_step(const JointVector& torque) noexcept;
+  /// @param servos  that are implicit; has to stay as it is until the world has stepped
+  void begin_step(const JointVector& torque, std::span<const ImplicitServo> servos) noexcept;
   /// Returns false if the step produced a value that is not finite (velocities were then zeroed so that
   /// Bullet's broadphase never sees one).
   bool finite() const noexcept { return finite_; }
@@ -79,6 +81,7 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   DofVector before_;      // velocities before the step
   DofVector correction_;  // of the joint stage to Bullet's velocities
   JointVector torque_, angles_;
+  std::span<const ImplicitServo> servos_;
   PointJacobian J_;
 };
 

@@ -5,6 +5,7 @@
 
 #include "backends/contact/convergence.h"
 #include "physics/core/error.h"
+#include "physics/robot/actuator.h"
 #include "physics/robot/multibody.h"
 
 namespace crossgait::contact {
@@ -37,6 +38,12 @@ double at_least_some(double friction) noexcept { return std::max(friction, 1e-5)
 
 constexpr double kLeastShare = 1e-9;  // of a hard limit's response to itself
 
+int count_implicit_servos(const RobotDescription& robot) {
+  const std::vector<int> servos = robot.actuated_joints();
+  return static_cast<int>(
+      std::count_if(servos.begin(), servos.end(), [&](int i) { return is_implicit(robot.joint(i)); }));
+}
+
 template <typename Problem>
 constexpr bool turns = false;
 template <int kRows>
@@ -61,7 +68,7 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
   const bool hard = factors_.hard_normal || factors_.hard_friction ||
                     (factors_.hard_joint_friction && !frictional_joints_.empty()) ||
                     (factors_.hard_joint_limits && !limited_joints_.empty());
-  const int dofs = joints_.inertia().dofs();
+  const int dofs = joints_.inertia().dofs(), servos = count_implicit_servos(*spec.robot);
   const FrictionBound bound = factors_.stock     ? FrictionBound::kFrictionlessPyramid
                               : factors_.pyramid ? FrictionBound::kPyramid
                                                  : FrictionBound::kDisc;
@@ -78,36 +85,40 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
     } else {
       primal_ = std::make_unique<PrimalProblem>(dofs, coupled, coefficient());
     }
-  } else if (bound == FrictionBound::kDisc && (sweeps_ || (factors_.coulomb && frictional_joints_.empty()))) {
+  } else if (const bool only_contacts = frictional_joints_.empty() && servos == 0;
+             bound == FrictionBound::kDisc && (sweeps_ || (factors_.coulomb && only_contacts))) {
     sweep_ = std::make_unique<SweepProblem>(dofs, joints_.coupled_dofs(), coefficient(), hard_.mixing);
   } else {
     dual_ = std::make_unique<DualProblem>(
-        joints_, static_cast<int>(frictional_joints_.size() + limited_joints_.size()), bound, hard_.mixing);
+        joints_, static_cast<int>(frictional_joints_.size() + limited_joints_.size()) + servos, bound,
+        hard_.mixing);
   }
   for (int body = 0; body <= spec.robot->joint_count(); ++body)
     dofs_.push_back(joints_.inertia().dofs_of(body));
 }
 
 const DofVector& ContactStage::solve(const DofVector& before, const JointVector& angles,
-                                     const ContactPoints& points) noexcept {
+                                     const ContactPoints& points,
+                                     std::span<const ImplicitServo> servos) noexcept {
   velocity_ = joints_.velocity();
   find_limits(before, angles);
-  if (points.count == 0 && frictional_joints_.empty() && limit_count_ == 0) return velocity_;
+  if (points.count == 0 && frictional_joints_.empty() && limit_count_ == 0 && servos.empty())
+    return velocity_;
   if (primal_) {
-    solve_primal(*primal_, before, points);
+    solve_primal(*primal_, before, points, servos);
   } else if (twisting_) {
-    solve_primal(*twisting_, before, points);
+    solve_primal(*twisting_, before, points, servos);
   } else if (rolling_) {
-    solve_primal(*rolling_, before, points);
+    solve_primal(*rolling_, before, points, servos);
   } else if (sweep_) {
     joints_.scaled_loop_rows(loops_);
     sweep_->begin(loops_);
-    add_rows(*sweep_, before, points);
+    add_rows(*sweep_, before, points, servos);
     sweep();
     apply(*sweep_, points);
   } else {
     dual_->begin();
-    add_rows(*dual_, before, points);
+    add_rows(*dual_, before, points, servos);
     dual_->solve(coefficient(), factors_.coulomb, spec_.solver.tolerance);
     apply(*dual_, points);
   }
@@ -115,11 +126,11 @@ const DofVector& ContactStage::solve(const DofVector& before, const JointVector&
 }
 
 template <typename Primal>
-void ContactStage::solve_primal(Primal& problem, const DofVector& before,
-                                const ContactPoints& points) noexcept {
+void ContactStage::solve_primal(Primal& problem, const DofVector& before, const ContactPoints& points,
+                                std::span<const ImplicitServo> servos) noexcept {
   joints_.scaled_loop_rows(loops_);
   problem.begin(loops_);
-  add_rows(problem, before, points);
+  add_rows(problem, before, points, servos);
   DofVector guess = before - velocity_;  // as if nothing were accelerated
   joints_.inertia().half_multiply(guess);
   problem.solve(guess, spec_.solver.tolerance);
@@ -163,7 +174,8 @@ void ContactStage::sweep() noexcept {
 }
 
 template <typename Problem>
-void ContactStage::add_rows(Problem& problem, const DofVector& before, const ContactPoints& points) noexcept {
+void ContactStage::add_rows(Problem& problem, const DofVector& before, const ContactPoints& points,
+                            std::span<const ImplicitServo> servos) noexcept {
   for (int i = 0; i < points.count; ++i) {
     const ContactPoint& point = points.points[static_cast<std::size_t>(i)];
     ContactRows& rows = rows_[static_cast<std::size_t>(i)];
@@ -176,6 +188,7 @@ void ContactStage::add_rows(Problem& problem, const DofVector& before, const Con
     }
   }
   add_joint_rows(problem, before);
+  add_servos(problem, before, servos);
 }
 
 template <typename Problem>
@@ -195,6 +208,21 @@ void ContactStage::add_joint_rows(Problem& problem, const DofVector& before) noe
     // A hard limit and hard friction of one joint would be the same row twice.
     const double R = row.R > 0 ? row.R : kLeastShare * z.squaredNorm();
     problem.add_bounded(dofs_of(dof - 5), z, R, row.away * velocity_[dof] - row.target, kOnlyPushes);
+  }
+}
+
+// With x = h tau, tau = torque - inertia (v' - v) / h is  v' + x / inertia = v + h torque / inertia.
+template <typename Problem>
+void ContactStage::add_servos(Problem& problem, const DofVector& before,
+                              std::span<const ImplicitServo> servos) noexcept {
+  const double h = spec_.physics_dt;
+  for (const ImplicitServo& servo : servos) {
+    const int dof = 6 + servo.joint;
+    const double target = before[dof] + h * servo.torque / servo.inertia;
+    DofVector z = DofVector::Unit(before.size(), dof);
+    joints_.inertia().half_solve(z);
+    problem.add_bounded(dofs_of(servo.joint + 1), z, 1 / servo.inertia, velocity_[dof] - target,
+                        {h * servo.lower, h * servo.upper});
   }
 }
 

@@ -1,4 +1,4 @@
-// Contacts, dry friction and limits of joints in one step, by a law made of LawFactors.
+// Contacts, dry friction and limits of joints, and implicit servos in one step, by a law made of LawFactors.
 #pragma once
 
 #include <array>
@@ -35,8 +35,8 @@ class ContactStage {
   /// @param before  velocities before the step
   /// @param angles  of the joints before the step, rad
   /// @returns velocities after the step
-  const DofVector& solve(const DofVector& before, const JointVector& angles,
-                         const ContactPoints& points) noexcept;
+  const DofVector& solve(const DofVector& before, const JointVector& angles, const ContactPoints& points,
+                         std::span<const ImplicitServo> servos) noexcept;
 
   /// @param force,velocity_before  on the robot, N, and of the body at the point, m/s, in W
   void report(const ContactPoint& point, const Vector3& force, const Vector3& velocity_before) noexcept;
@@ -66,14 +66,18 @@ class ContactStage {
   void find_limits(const DofVector& before, const JointVector& angles) noexcept;
   void sweep() noexcept;
   template <typename Problem>
-  void add_rows(Problem& problem, const DofVector& before, const ContactPoints& points) noexcept;
+  void add_rows(Problem& problem, const DofVector& before, const ContactPoints& points,
+                std::span<const ImplicitServo> servos) noexcept;
   template <typename Problem>
   void add_joint_rows(Problem& problem, const DofVector& before) noexcept;
+  template <typename Problem>
+  void add_servos(Problem& problem, const DofVector& before, std::span<const ImplicitServo> servos) noexcept;
   template <int kRows>
   void add_turning_contact(PrimalProblemOf<kRows>& problem, const DofVector& before,
                            const ContactPoint& point, const ContactRows& rows) noexcept;
   template <typename Primal>
-  void solve_primal(Primal& problem, const DofVector& before, const ContactPoints& points) noexcept;
+  void solve_primal(Primal& problem, const DofVector& before, const ContactPoints& points,
+                    std::span<const ImplicitServo> servos) noexcept;
   void describe(const ContactPoint& point, const DofVector& before, ContactRows& rows) noexcept;
   Matrix3 frame_at(const ContactPoint& point, const DofVector& before) const noexcept;
   double set_row(const ContactPoint& point, int axis, ContactRows& rows) const noexcept;

@@ -14,7 +14,7 @@ struct ImpulseBounds {
 };
 inline constexpr ImpulseBounds kOnlyPushes{0, std::numeric_limits<double>::infinity()};
 
-/// Number of rows: dry friction of each joint, and the limit that is nearer.
-inline constexpr int kMaxBoundedRows = 2 * kMaxJoints;
+/// Number of rows: dry friction of each joint, the limit that is nearer, and an implicit servo.
+inline constexpr int kMaxBoundedRows = 3 * kMaxJoints;
 
 }  // namespace crossgait::contact

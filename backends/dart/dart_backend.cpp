@@ -37,6 +37,7 @@ EngineInfo make_info(const DartFactors& factors) {
                .joint_friction = factors.hard_joint_friction ? "hard" : "mujoco",
                .joint_limits = factors.hard_joint_limits ? "hard" : "mujoco",
                .couplings = "mujoco",
+               .implicit_servos = "implicit",
                .contact_family = contact::family_name(factors)};
   info.own_parts = contact::own_parts();
   if (factors == kMatched) {
@@ -124,7 +125,7 @@ class DartBackend final : public PhysicsBackend {
     if (!joints_.velocity().allFinite()) return StepStatus::kDiverged;
     points_.clear();
     finder_.find(bodies_, points_);
-    const DofVector& after = contacts_.solve(v_, q_, points_);
+    const DofVector& after = contacts_.solve(v_, q_, points_, implicit_servos());
     if (!after.allFinite() || after.lpNorm<Eigen::Infinity>() > kMaxVelocity) return StepStatus::kDiverged;
     v_ = after;
     integrate(h);

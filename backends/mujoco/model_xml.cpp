@@ -7,6 +7,7 @@
 
 #include "backends/mujoco/version.h"
 #include "physics/engine/contact_features.h"
+#include "physics/robot/actuator.h"
 #include "physics/robot/principal_inertia.h"
 #include "physics/robot/state.h"
 
@@ -149,8 +150,22 @@ void add_equalities(Xml& xml, const RobotDescription& robot) {
   xml.add("</equality>");
 }
 
+/// An implicit servo is a row of friction in a tendon of one joint: bounded, with a regularisation that at
+/// this impedance is the tendon's inverse weight. Its numbers are set in each step (mujoco_backend.cpp).
+void add_servo_rows(Xml& xml, const RobotDescription& robot) {
+  std::string rows;
+  for (const int i : robot.actuated_joints()) {
+    if (!is_implicit(robot.joint(i))) continue;
+    rows += fmt::format(
+        "<fixed name='{}' frictionloss='1' solimpfriction='0.5 0.5 1'><joint joint='{}' coef='1'/></fixed>",
+        servo_name(i), joint_name(i));
+  }
+  if (!rows.empty()) xml.add("<tendon>{}</tendon>", rows);
+}
+
 }  // namespace
 
+std::string servo_name(int joint) { return fmt::format("servo{}", joint); }
 std::string body_name(int body) { return fmt::format("body{}", body); }
 std::string joint_name(int joint) { return fmt::format("joint{}", joint); }
 std::string shape_name(int body, int shape, int part) {
@@ -191,7 +206,7 @@ std::string model_xml(const WorldSpec& spec) {
   const auto dims = static_cast<std::size_t>(spec.contact.condim);
   const std::size_t rows = spec.contact.cone == FrictionCone::kPyramidal ? 2 * (dims - 1) : dims;
   xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts,
-          rows * kMaxContacts + 3 * loops + couplings + 2 * joints);
+          rows * kMaxContacts + 3 * loops + couplings + 3 * joints);
   if (const HeightField* field = spec.terrain.field()) {
     // The second figure is the depth of the solid below the lowest point.
     xml.add("<asset><hfield name='terrain' nrow='{}' ncol='{}' size='{:.17g} {:.17g} {:.17g} 0.1'/></asset>",
@@ -202,6 +217,7 @@ std::string model_xml(const WorldSpec& spec) {
   add_terrain(xml, spec);
   add_body(xml, spec, 0);
   xml.add("</worldbody>");
+  add_servo_rows(xml, *spec.robot);
   add_equalities(xml, *spec.robot);
   xml.add("</mujoco>");
   return xml.take();

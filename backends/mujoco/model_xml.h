@@ -8,9 +8,11 @@
 namespace crossgait::mujoco {
 
 /// Names MuJoCo elements made from the description: "body<i>", "joint<i>", "shape<i>_<k>_<part>", "loop<i>",
-/// "terrain", so that names a user chose need no escaping and cannot clash.
+/// "servo<i>" for the tendon of an implicit servo, "terrain", so that names a user chose need no escaping and
+/// cannot clash.
 std::string body_name(int body);
 std::string joint_name(int joint);
+std::string servo_name(int joint);
 std::string shape_name(int body, int shape, int part);
 
 /// Returns which of a shape's parts has the contacts of its feature number `feature` (contact_features.h): a

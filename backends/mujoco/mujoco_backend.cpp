@@ -35,6 +35,7 @@ EngineInfo make_info(bool loop_bias) {
            .joint_friction = "mujoco",
            .joint_limits = "mujoco",
            .couplings = "mujoco",
+           .implicit_servos = "implicit",
            .contact_family = "compliant"},
           {.soft_contact = true,
            .soft_friction = true,
@@ -98,7 +99,9 @@ class MujocoBackend final : public PhysicsBackend {
       const int joint = mj_name2id(&m, mjOBJ_JOINT, joint_name(i).c_str());
       q_address_.push_back(m.jnt_qposadr[joint]);
       v_address_.push_back(m.jnt_dofadr[joint]);
+      servo_tendons_.push_back(mj_name2id(&m, mjOBJ_TENDON, servo_name(i).c_str()));
     }
+    servo_accelerations_.resize(static_cast<std::size_t>(m.ntendon));
     terrain_geom_ = mj_name2id(&m, mjOBJ_GEOM, "terrain");
     base_body_ = bodies_[0];
   }
@@ -134,13 +137,39 @@ class MujocoBackend final : public PhysicsBackend {
   }
 
   void step_once() noexcept {
-    if (!takes_bias_away_) {
+    if (!takes_bias_away_ && servo_accelerations_.empty()) {
       mj_step(model_.get(), data_.get());
       return;
     }
     mj_step1(model_.get(), data_.get());
-    take_loop_bias_away(*data_);
+    if (takes_bias_away_) take_loop_bias_away(*data_);
+    refer_to_servos();
     mj_step2(model_.get(), data_.get());
+  }
+
+  // A row of friction gives  clamp(-(a - a_ref) / R, +-loss): with R = 1 / inertia and the bounds' middle
+  // applied beside it, an implicit servo's torque.
+  void set_servo_rows() noexcept {
+    mjModel& m = *model_;
+    mju_zero(m.tendon_frictionloss, m.ntendon);
+    for (const ImplicitServo& servo : implicit_servos()) {
+      const auto joint = static_cast<std::size_t>(servo.joint);
+      const int row = servo_tendons_[joint];
+      const double middle = (servo.lower + servo.upper) / 2;
+      m.tendon_frictionloss[row] = (servo.upper - servo.lower) / 2;
+      m.tendon_invweight0[row] = 1 / servo.inertia;
+      servo_accelerations_[static_cast<std::size_t>(row)] = (servo.torque - middle) / servo.inertia;
+      data_->qfrc_applied[v_address_[joint]] += middle;
+    }
+  }
+
+  // MuJoCo's own reference acceleration damps the row.
+  void refer_to_servos() noexcept {
+    mjData& d = *data_;
+    for (int i = d.ne; i < d.ne + d.nf; ++i) {
+      if (d.efc_type[i] == mjCNSTR_FRICTION_TENDON)
+        d.efc_aref[i] = servo_accelerations_[static_cast<std::size_t>(d.efc_id[i])];
+    }
   }
 
   StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept override {
@@ -148,6 +177,7 @@ class MujocoBackend final : public PhysicsBackend {
     for (std::size_t i = 0; i < v_address_.size(); ++i) {
       d.qfrc_applied[v_address_[i]] = tau[static_cast<Eigen::Index>(i)];
     }
+    set_servo_rows();
     mju_copy3(d.xfrc_applied + 6 * base_body_, base.force.data());
     mju_copy3(d.xfrc_applied + 6 * base_body_ + 3, base.torque.data());
     collision_.begin();
@@ -326,9 +356,11 @@ class MujocoBackend final : public PhysicsBackend {
   ModelPtr model_;
   DataPtr data_;
   DataPtr query_;
-  std::vector<ShapeOwner> owners_;          // per MuJoCo geom
-  std::vector<int> bodies_;                 // MuJoCo body of each of ours
-  std::vector<int> q_address_, v_address_;  // of each joint
+  std::vector<ShapeOwner> owners_;           // per MuJoCo geom
+  std::vector<int> bodies_;                  // MuJoCo body of each of ours
+  std::vector<int> q_address_, v_address_;   // of each joint
+  std::vector<int> servo_tendons_;           // of each joint, -1 unless its servo is implicit
+  std::vector<double> servo_accelerations_;  // by tendon, rad/s^2: where its servo would make no more torque
   int terrain_geom_ = -1, base_body_ = -1;
 };
 

@@ -4,7 +4,11 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "backends/physx/convert.h"
+#include "physics/core/error.h"
+#include "physics/robot/actuator.h"
 #include "physics/robot/principal_inertia.h"
 
 namespace crossgait::physx {
@@ -107,6 +111,11 @@ void ArticulationModel::add_joint(const Body& body, std::size_t i) {
   joint.setFrictionCoefficient(0);  // of loads, not a torque
   joint.setMaxJointVelocity(kNoLimit);
   joint.setArmature(px::PxArticulationAxis::eTWIST, static_cast<float>(body.joint.armature));
+  if (body.joint.friction > 0 && is_implicit(body.joint))
+    throw ConfigError(spec_.robot->source.empty() ? spec_.robot->name : spec_.robot->source,
+                      fmt::format("joint '{}'", body.joint.name),
+                      "an implicit servo or dry friction: PhysX has one drive for a joint, which is either",
+                      "both");
   if (body.joint.friction > 0) {
     // A damper that stops the joint within a step if its bound lets it: Coulomb's friction.
     constexpr float kStops = 1e6F;  // N m s/rad
@@ -156,9 +165,38 @@ void ArticulationModel::get_state(RobotState& state) const {
   }
 }
 
-void ArticulationModel::apply(const JointVector& tau, const Wrench& base) {
-  for (std::size_t i = 0; i < dofs_.size(); ++i)
+// PhysX's drive makes  clamp(K (target - q') - D v', +-most)  (PxArticulationDrive), of q' = q + h v', which
+// is
+//     K (target - q - h v) - D v - (K h^2 + D h) a
+// with K = s kp and D = d kd: the target at which that is the servo's torque, less the middle of its bounds.
+void ArticulationModel::set_drive(const ImplicitServo& servo) {
+  const auto i = static_cast<std::size_t>(servo.joint);
+  const Joint& joint = spec_.robot->joint(servo.joint);
+  const double h = spec_.physics_dt, middle = (servo.lower + servo.upper) / 2;
+  const double K = joint.implicit_stiffness * joint.kp, D = joint.implicit_damping * joint.kd;
+  const double q = cache()->jointPosition[dofs_[i]], v = cache()->jointVelocity[dofs_[i]];
+  const double wanted = servo.torque - middle;
+  px::PxArticulationJointReducedCoordinate& drive = *links_[i + 1]->getInboundJoint();
+  drive.setDriveParams(px::PxArticulationAxis::eTWIST, {static_cast<float>(K), static_cast<float>(D),
+                                                        static_cast<float>((servo.upper - servo.lower) / 2),
+                                                        px::PxArticulationDriveType::eFORCE});
+  drive.setDriveTarget(px::PxArticulationAxis::eTWIST,
+                       K > 0 ? static_cast<float>(q + h * v + (wanted + D * v) / K) : 0, false);
+  drive.setDriveVelocity(px::PxArticulationAxis::eTWIST, K > 0 ? 0 : static_cast<float>(v + wanted / D),
+                         false);
+  cache()->jointForce[dofs_[i]] += static_cast<float>(middle);
+}
+
+void ArticulationModel::apply(const JointVector& tau, std::span<const ImplicitServo> servos,
+                              const Wrench& base) {
+  for (std::size_t i = 0; i < dofs_.size(); ++i) {
     cache()->jointForce[dofs_[i]] = static_cast<float>(tau[static_cast<Eigen::Index>(i)]);
+    // A servo without torque in this step has no drive either.
+    if (is_implicit(spec_.robot->joint(static_cast<int>(i))))
+      links_[i + 1]->getInboundJoint()->setDriveParams(px::PxArticulationAxis::eTWIST,
+                                                       {0, 0, 0, px::PxArticulationDriveType::eFORCE});
+  }
+  for (const ImplicitServo& servo : servos) set_drive(servo);
   articulation_->applyCache(*cache(), state_flags() | Flag::eFORCE);
   if (!base.force.isZero()) links_.front()->addForce(vector(base.force));
   if (!base.torque.isZero()) links_.front()->addTorque(vector(base.torque));
@@ -202,6 +240,7 @@ SpatialInertia ArticulationModel::body_inertia(int body) const {
 }
 
 double ArticulationModel::joint_friction(int joint) const {
+  if (is_implicit(spec_.robot->joint(joint))) return 0;
   const px::PxArticulationDrive drive =
       link(joint + 1).getInboundJoint()->getDriveParams(px::PxArticulationAxis::eTWIST);
   return drive.damping > 0 ? drive.maxForce : 0;

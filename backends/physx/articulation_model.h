@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "backends/physx/loop_constraint.h"
 #include "backends/physx/settings.h"
 #include "physics/engine/world_spec.h"
+#include "physics/robot/implicit_servo.h"
 #include "physics/robot/state.h"
 
 namespace crossgait::physx {
@@ -32,8 +34,9 @@ class ArticulationModel {
 
   void set_state(const RobotState& state);
   void get_state(RobotState& state) const;
-  /// Hands the state and torques (N m) to PhysX, and a wrench on the base, its force at the centre of mass.
-  void apply(const JointVector& tau, const Wrench& base);
+  /// Hands the state and torques (N m) to PhysX, the drives of implicit servos, and a wrench on the base, its
+  /// force at the centre of mass.
+  void apply(const JointVector& tau, std::span<const ImplicitServo> servos, const Wrench& base);
   /// Takes the state that a step left. @returns false if a number of it is not finite
   bool take();
 
@@ -63,6 +66,7 @@ class ArticulationModel {
  private:
   void add_link(const std::vector<Body>& bodies, std::size_t i);
   void add_joint(const Body& body, std::size_t i);
+  void set_drive(const ImplicitServo& servo);
   void add_loops(const RobotDescription& robot);
   void apply_state();
   CacheOfStock& cache() const { return *cache_; }

@@ -33,6 +33,7 @@ EngineInfo make_info(const Settings& settings) {
                .joint_friction = "hard" + way,
                .joint_limits = "hard" + way,
                .couplings = "",
+               .implicit_servos = "implicit" + way,
                .contact_family = "rigid"};
   info.capabilities.exact_field_query = true;  // the ground is Crossgait's
   info.capabilities.allocates = true;
@@ -95,7 +96,7 @@ class PhysxBackend final : public PhysicsBackend, public LosableWorld {
         !(base.torque.norm() < kMost))
       return StepStatus::kDiverged;
     push_ = base.force;
-    model_->apply(tau, base);
+    model_->apply(tau, implicit_servos(), base);
     contacts_->begin_step(*scene_);
     scene_->simulate(static_cast<float>(spec().physics_dt));
     scene_->fetchResults(true);

@@ -1,4 +1,5 @@
 // Servos, drives and what joints lose.
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -48,10 +49,37 @@ std::size_t servo_row(std::string_view name) {
                                   kJointNumbers.data());
 }
 
+// When in a step servos look at the joints, by the laws that simulators have.
+Fields servo_law(const Context& context) {
+  const EnvConfig& now = context.config;
+  if (now.joints.commands_torques()) return {};
+  const std::size_t stiffness = servo_row("implicit_stiffness"), damping = servo_row("implicit_damping");
+  const RobotDescription& robot = *context.model.world.robot;
+  const auto is_of = [&robot](const ServoLaw& law) {
+    const std::vector<int> servos = robot.actuated_joints();
+    return std::all_of(servos.begin(), servos.end(), [&](int i) {
+      return robot.joint(i).implicit_stiffness == law.implicit_stiffness &&
+             robot.joint(i).implicit_damping == law.implicit_damping;
+    });
+  };
+  const auto* own = std::find_if(kServoLaws.begin(), kServoLaws.end(), is_of);
+  CandidateField field{"servos.law", own == kServoLaws.end() ? "mixed" : std::string(own->name), {}};
+  for (const ServoLaw& law : kServoLaws) {
+    if (&law == own) continue;
+    field.changes.push_back({std::string(law.name), [=](EnvConfig& c) {
+                               c.servos.numbers[stiffness] = {law.implicit_stiffness, {}};
+                               c.servos.numbers[damping] = {law.implicit_damping, {}};
+                             }});
+  }
+  return {field};
+}
+
 }  // namespace
 
 Fields servo_gains(const Context& context) {
-  return {servo_field(context, servo_row("kp")), servo_field(context, servo_row("kd"))};
+  Fields fields{servo_field(context, servo_row("kp")), servo_field(context, servo_row("kd"))};
+  for (CandidateField& field : servo_law(context)) fields.push_back(std::move(field));
+  return fields;
 }
 
 Fields servo_effort(const Context& context) { return {servo_field(context, servo_row("effort"))}; }

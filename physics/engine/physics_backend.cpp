@@ -96,12 +96,26 @@ RobotState PhysicsBackend::home_state() const {
   return state;
 }
 
-void PhysicsBackend::reset(const RobotState& state) {
+// What the engine does not simulate is not left out in silence.
+void PhysicsBackend::refuse_robot() const {
+  const std::string& source = robot().source.empty() ? robot().name : robot().source;
   if (!robot().couplings.empty() && info().laws.couplings.empty()) {
-    throw ConfigError(robot().source.empty() ? robot().name : robot().source, "couplings",
+    throw ConfigError(source, "couplings",
                       "a robot without coupled joints: `" + info().name + "` does not simulate them",
                       fmt::format("{} of them", robot().couplings.size()));
   }
+  if (!info().laws.implicit_servos.empty()) return;
+  for (const int i : actuated_) {
+    if (!is_implicit(robot().joint(i))) continue;
+    throw ConfigError(source, fmt::format("servo of joint '{}'", robot().joint(i).name),
+                      "an explicit servo: `" + info().name + "` does not solve implicit ones",
+                      fmt::format("implicit_stiffness {:g}, implicit_damping {:g}",
+                                  robot().joint(i).implicit_stiffness, robot().joint(i).implicit_damping));
+  }
+}
+
+void PhysicsBackend::reset(const RobotState& state) {
+  refuse_robot();
   const int n = robot().joint_count();
   if (state.q.size() != n || state.qd.size() != n) {
     throw ConfigError("reset", "joint vectors", fmt::format("{} joints ({})", n, robot().name),
@@ -130,6 +144,14 @@ void PhysicsBackend::compute_torques(const JointTargets& targets) noexcept {
   for (int i = 0; i < robot.joint_count(); ++i)
     torques_[i] = passive_torque(robot.joint(i), state_.q[i], state_.qd[i]);
   drives_.add_torques(targets, state_, torques_);
+}
+
+// What implicit servos did in the step that was made.
+void PhysicsBackend::add_implicit_torques() noexcept {
+  for (const ImplicitServo& servo : implicit_servos()) {
+    const double acceleration = (next_.qd[servo.joint] - state_.qd[servo.joint]) / spec_.physics_dt;
+    torques_[servo.joint] += servo.torque_at(acceleration);
+  }
 }
 
 void PhysicsBackend::add_wrenches(JointVector& tau, Wrench& base) noexcept {
@@ -166,6 +188,7 @@ StepStatus PhysicsBackend::advance(const JointTargets& targets) noexcept {
     diverged_ = true;
     return StepStatus::kDiverged;
   }
+  add_implicit_torques();
   next_.time = state_.time + h;
   state_ = next_;
   contacts_.clear();

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,9 @@ struct Laws {
   std::string joint_friction;  ///< dry friction in joints: "mujoco" (soft), "hard"; "" for none
   std::string joint_limits;    ///< of joints that are limited: "mujoco" (soft), "hard"; "" for none
   std::string couplings;       ///< of coupled joints: "mujoco" (soft); "" for none: refuses robots with them
+  /// Of servos whose torque hangs on how a step ends (implicit_servo.h): "implicit"; "" for none: refuses
+  /// robots with them.
+  std::string implicit_servos = {};
   /// What the law of contact is a relative of: "compliant" (forces from penetration) or "rigid" (impulses
   /// that end it). Relatives count as one opinion where they agree.
   std::string contact_family;
@@ -127,7 +131,8 @@ class PhysicsBackend {
 
   /// Puts the robot into `state` (time included) and forgets contacts, pending pushes and wrenches.
   /// @throws ConfigError if sizes differ from the robot's or a value is not finite or the quaternion is not
-  /// unit, or if the robot has coupled joints and the engine no law of them
+  /// unit, or if the robot has coupled joints and the engine no law of them, or implicit servos and the
+  /// engine does not solve them
   void reset(const RobotState& state);
   /// Resets to `home_state()`.
   void reset() { reset(home_state()); }
@@ -137,7 +142,8 @@ class PhysicsBackend {
 
   /// Advances `substeps` physics steps holding `targets`; torques are recomputed every physics step:
   /// tau = clamp(kp (q* - q) - kd qd, +-effort_limit) on servos (with what their drives fall short of:
-  /// drives.h), then - damping qd - stiffness (q - spring_reference) on every joint.
+  /// drives.h; of implicit ones q and qd are those at the step's end: actuator.h), then - damping qd -
+  /// stiffness (q - spring_reference) on every joint.
   /// Targets are clamped to the joints' limits; where a joint is `limited` its angle is kept within them, by
   /// the engine's law. Targets of the wrong size or not finite change nothing and
   /// return kInvalidTargets. After kDiverged the state keeps its last good value and every further step
@@ -184,6 +190,10 @@ class PhysicsBackend {
   /// @throws ConfigError if the specification is invalid
   explicit PhysicsBackend(WorldSpec spec);
 
+  /// Lists the servos that an engine solves in `do_step`, beside the torques that it is given: those of
+  /// implicit laws. Empty for engines without Laws::implicit_servos.
+  std::span<const ImplicitServo> implicit_servos() const noexcept { return drives_.implicit(); }
+
  private:
   virtual void do_reset(const RobotState& state) = 0;
   /// Makes one physics step under joint torques `tau` and a wrench on the base, its force at the base's
@@ -201,7 +211,9 @@ class PhysicsBackend {
   virtual JointVector do_joint_friction() const { return JointVector::Zero(robot().joint_count()); }
   virtual JointRanges do_joint_limits() const { return JointRanges(robot().joint_count()); }
 
+  void refuse_robot() const;
   void compute_torques(const JointTargets& targets) noexcept;
+  void add_implicit_torques() noexcept;
   void add_wrenches(JointVector& tau, Wrench& base) noexcept;
   [[nodiscard]] StepStatus advance(const JointTargets& targets) noexcept;
 

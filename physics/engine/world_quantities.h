@@ -34,7 +34,7 @@ std::span<const WorldQuantity> world_quantities();
 /// @throws ConfigError naming `source`, listing the names
 const WorldQuantity& find_world_quantity(std::string_view name, std::string_view source);
 
-/// Names what a number of a joint is a part of: "gains", "effort", "drives", or itself.
+/// Names what a number of a joint is a part of: "gains", "effort", "servo law", "drives", or itself.
 std::string_view joint_number_group(const JointNumber& number) noexcept;
 
 /// Multiplies a body's mass and its inertia with it.

@@ -1,6 +1,7 @@
 #include "physics/robot/actuator.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace crossgait {
 namespace {
@@ -20,6 +21,22 @@ double through_play(const Joint& joint, double error, double qd) noexcept {
 }
 
 }  // namespace
+
+std::optional<ImplicitServo> implicit_servo(const Joint& joint, int index, double target, double measured,
+                                            double qd, double h) noexcept {
+  const double play = joint.backlash / 2, away = target - measured;
+  if (std::abs(away) <= play && play > 0) return std::nullopt;
+  const double error = away - std::copysign(play, away);
+  ImplicitServo servo{
+      .joint = index,
+      .torque = joint.kp * (error - joint.implicit_stiffness * h * qd) - joint.kd * qd,
+      .inertia = joint.implicit_stiffness * joint.kp * h * h + joint.implicit_damping * joint.kd * h,
+      .lower = -available(joint, negative_effort(joint), -qd),
+      .upper = available(joint, joint.effort_limit, qd)};
+  if (play > 0) (away > 0 ? servo.lower : servo.upper) = 0;  // it does not pull back through the play
+  if (!(servo.lower < servo.upper)) return std::nullopt;
+  return servo;
+}
 
 double servo_torque(const Joint& joint, double target, double measured, double qd) noexcept {
   const double error = target - measured;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
+#include "physics/robot/implicit_servo.h"
 #include "physics/robot/robot.h"
 
 namespace crossgait {
@@ -20,6 +22,24 @@ namespace crossgait {
 /// direction of negative torque (Joint::effort_negative).
 /// @param measured  the joint's angle as the servo knows it, rad
 double servo_torque(const Joint& joint, double target, double measured, double qd) noexcept;
+
+/// Tells whether what a servo does in a step hangs on how the step ends.
+inline bool is_implicit(const Joint& joint) noexcept {
+  return joint.actuated && joint.implicit_stiffness * joint.kp + joint.implicit_damping * joint.kd > 0;
+}
+
+/// Describes the servo law with shares s of its spring and d of its damper (Joint::implicit_stiffness,
+/// implicit_damping) taken at the end of a step of h s, where the joint turns at v' and its angle is q + h v'
+/// (semi-implicit Euler): with a = (v' - v) / h
+///
+///     tau = clamp(kp D(target - measured - s h v') - kd ((1 - d) v + d v'), -effort(-v), effort(v))
+///         = clamp(kp D(target - measured - s h v) - kd v - (s kp h^2 + d kd h) a, ...)
+///
+/// The play D and the bounds are those of the step's beginning.
+/// @param h  physics step, s
+/// @returns nothing where no torque is to be had: within the play, or beyond no_load_speed
+std::optional<ImplicitServo> implicit_servo(const Joint& joint, int index, double target, double measured,
+                                            double qd, double h) noexcept;
 
 /// Clips a target to its servo's range, then to the joint's limits, rad. The two need not overlap.
 inline double clip_target(const Joint& joint, double target) noexcept {

@@ -32,7 +32,7 @@ double error_of(double noise, std::uint64_t step, int joint) noexcept {
 
 }  // namespace
 
-Drives::Drives(const RobotDescription& robot, double physics_dt) {
+Drives::Drives(const RobotDescription& robot, double physics_dt) : physics_dt_(physics_dt) {
   std::size_t longest = 0;
   for (const int i : robot.actuated_joints()) {
     const Joint& joint = robot.joint(i);
@@ -42,6 +42,7 @@ Drives::Drives(const RobotDescription& robot, double physics_dt) {
   }
   held_ = JointVector::Zero(static_cast<Eigen::Index>(servos_.size()));
   line_.assign(longest + 1, held_);
+  implicit_.reserve(servos_.size());
 }
 
 void Drives::add_torques(const JointTargets& targets, const RobotState& state,
@@ -49,6 +50,7 @@ void Drives::add_torques(const JointTargets& targets, const RobotState& state,
   if (steps_ == 0) std::fill(line_.begin(), line_.end(), targets.q);
   const std::size_t rows = line_.size(), now = steps_ % rows;
   line_[now] = targets.q;
+  implicit_.clear();
   for (std::size_t k = 0; k < servos_.size(); ++k) {
     const Servo& servo = servos_[k];
     const Joint& joint = servo.joint;
@@ -58,8 +60,12 @@ void Drives::add_torques(const JointTargets& targets, const RobotState& state,
     if (steps_ == 0) held = target;
     double measured = state.q[servo.index];
     if (joint.sensor_noise > 0) measured += error_of(joint.sensor_noise, steps_, servo.index);
-    torques[servo.index] +=
-        servo_torque(joint, servo.left > 0 ? held : target, measured, state.qd[servo.index]);
+    const double follows = servo.left > 0 ? held : target, qd = state.qd[servo.index];
+    if (!is_implicit(joint)) {
+      torques[servo.index] += servo_torque(joint, follows, measured, qd);
+    } else if (const auto row = implicit_servo(joint, servo.index, follows, measured, qd, physics_dt_)) {
+      implicit_.push_back(*row);
+    }
     held = target + servo.left * (held - target);
   }
   ++steps_;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "physics/robot/implicit_servo.h"
 #include "physics/robot/robot.h"
 #include "physics/robot/state.h"
 
@@ -22,9 +24,12 @@ class Drives {
 
   /// Takes the next targets to have been on their way for ever.
   void restart() noexcept { steps_ = 0; }
-  /// Adds the torques of the servos in the next physics step.
+  /// Adds the torques of the servos in the next physics step, but for those that are implicit (actuator.h):
+  /// see `implicit`.
   /// @param targets  of RobotDescription::actuated_joints(), rad
   void add_torques(const JointTargets& targets, const RobotState& state, JointVector& torques) noexcept;
+  /// Returns what the others do in the step whose torques were asked for last.
+  std::span<const ImplicitServo> implicit() const noexcept { return implicit_; }
 
   /// Appends all that the rest depends on to `out`.
   void save(std::vector<double>& out) const;
@@ -43,6 +48,8 @@ class Drives {
   std::vector<JointVector> line_;  // targets of the last steps, this one's included
   JointVector held_;               // what servos with a lag hold now
   std::uint64_t steps_ = 0;        // since the restart
+  double physics_dt_ = 0;          // s
+  std::vector<ImplicitServo> implicit_;
 };
 
 }  // namespace crossgait

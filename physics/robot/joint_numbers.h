@@ -36,6 +36,10 @@ inline constexpr std::array kJointNumbers{
     JointNumber{"effort", "N m", &Joint::effort_limit, JointNumberOf::kServo, kLargestGain, true,
                 "effort limit (N m) of a servo"},
     JointNumber{"effort_negative", "N m", &Joint::effort_negative, JointNumberOf::kServo, kLargestGain},
+    JointNumber{"implicit_stiffness", "-", &Joint::implicit_stiffness, JointNumberOf::kServo, 1, false,
+                "implicit_stiffness, a share"},
+    JointNumber{"implicit_damping", "-", &Joint::implicit_damping, JointNumberOf::kServo, 1, false,
+                "implicit_damping, a share"},
     JointNumber{"damping", "N m s/rad", &Joint::damping, JointNumberOf::kJoint, kLargestGain},
     JointNumber{"stiffness", "N m/rad", &Joint::stiffness, JointNumberOf::kJoint, kLargestGain},
     JointNumber{"armature", "kg m^2", &Joint::armature, JointNumberOf::kJoint, kLargestInertia},
@@ -47,6 +51,26 @@ inline constexpr std::array kJointNumbers{
     JointNumber{"lag", "s", &Joint::lag, JointNumberOf::kDrive, kLongestDelay},
     JointNumber{"sensor_noise", "rad", &Joint::sensor_noise, JointNumberOf::kDrive, kLargestAngle},
 };
+
+/// Tells whether a number is of something that a joint does without unless it is said.
+constexpr bool is_off_at_zero(const JointNumber& number) noexcept {
+  return number.of == JointNumberOf::kDrive || number.member == &Joint::effort_negative ||
+         number.member == &Joint::implicit_stiffness || number.member == &Joint::implicit_damping;
+}
+
+/// A row says when in a step a servo law looks at the joint, by a simulator's name for it.
+struct ServoLaw {
+  std::string_view name;
+  double implicit_stiffness, implicit_damping;
+};
+
+/// Servo laws by the names that files may use in the place of the two numbers. Isaac Gym's policies compute
+/// explicit torques, as do Isaac Lab's IdealPDActuator and DCMotor; MuJoCo's implicit integrators take the
+/// damping of actuators (kv) at the step's end; PhysX's drives and Isaac Lab's ImplicitActuator both.
+inline constexpr std::array kServoLaws{ServoLaw{"explicit", 0, 0}, ServoLaw{"damping", 0, 1},
+                                       ServoLaw{"drive", 1, 1}};
+/// The key of a law in files.
+inline constexpr std::string_view kServoLawKey = "law";
 
 /// Sets a number of a joint. A torque limit is that of both directions unless the other one is set after it.
 inline void set_number(const JointNumber& number, double value, Joint& joint) {

@@ -78,8 +78,11 @@ struct Joint {
   double friction = 0;          ///< dry (Coulomb), N m; a law of the engine's (docs/conventions.md)
   double armature = 0;          ///< rotor inertia reflected to the joint, kg m^2
   bool actuated = false;
-  double kp = 0;               ///< servo stiffness, N m/rad
-  double kd = 0;               ///< servo damping, N m s/rad, inside the effort clamp
+  double kp = 0;  ///< servo stiffness, N m/rad
+  double kd = 0;  ///< servo damping, N m s/rad, inside the effort clamp
+  /// Shares of the servo's spring and damper that act on the angle and speed at which a step ends rather than
+  /// begins, 0 to 1 (actuator.h). ServoLaw names the pairs that simulators have.
+  double implicit_stiffness = 0, implicit_damping = 0;
   double effort_limit = 0;     ///< N m; 0: not given, which only a joint that is not actuated may have
   double effort_negative = 0;  ///< the same in the direction of negative torque, N m; 0: as effort_limit
   double target_lower = -1e6;  ///< targets are clipped to these, and to the limits above, rad: the range

@@ -20,6 +20,11 @@ bool tells_robots_apart(const MemberPath& path) {
   return !(of_the_robot && (path.name == "name" || path.name == "source"));
 }
 
+// Robots keep the identity that they had before there were these: where they are off they say nothing.
+bool was_added_later(const MemberPath& path) {
+  return path.name == "implicit_stiffness" || path.name == "implicit_damping";
+}
+
 }  // namespace
 
 std::string identity_text(const RobotDescription& robot) {
@@ -27,6 +32,9 @@ std::string identity_text(const RobotDescription& robot) {
   for_each_leaf(robot, [&text](const MemberPath& path, const auto& leaf) {
     if (!tells_robots_apart(path)) return;
     using Leaf = std::remove_cvref_t<decltype(leaf)>;
+    if constexpr (std::same_as<Leaf, double>) {
+      if (leaf == 0 && was_added_later(path)) return;
+    }
     if constexpr (std::same_as<Leaf, std::string>) {
       text +=
           fmt::format("{}={}:{}\n", path.text(), leaf.size(), leaf);  // its length: it may hold a line's end

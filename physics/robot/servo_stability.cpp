@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "physics/robot/actuator.h"
 #include "physics/robot/multibody.h"
 
 namespace crossgait {
@@ -13,14 +14,19 @@ std::optional<ServoLoop> stiffest_servo_loop(const RobotDescription& robot, doub
   const Eigen::Index joints = robot.joint_count();
   RobotState state;
   state.q = robot.home;
-  const Eigen::LLT<Eigen::MatrixXd> M(mass_matrix(robot, state));
+  Eigen::MatrixXd inertia = mass_matrix(robot, state);
   Eigen::VectorXd loop(joints);
   for (Eigen::Index i = 0; i < joints; ++i) {
     const Joint& joint = robot.joint(static_cast<int>(i));
     const double kp = joint.stiffness + (joint.actuated ? joint.kp : 0);
     const double kd = joint.damping + (joint.actuated ? joint.kd : 0);
     loop[i] = kd * dt + kp * dt * dt / 2;
+    if (!is_implicit(joint)) continue;
+    const double soft = joint.implicit_stiffness * joint.kp * dt * dt;
+    inertia(6 + i, 6 + i) += soft + joint.implicit_damping * joint.kd * dt;
+    loop[i] += soft;
   }
+  const Eigen::LLT<Eigen::MatrixXd> M(inertia);
   if (joints == 0 || !(loop.maxCoeff() > 0)) return std::nullopt;
   // M^-1 L has the eigenvalues of the symmetric L^1/2 M^-1 L^1/2.
   const Eigen::VectorXd root = loop.cwiseSqrt();

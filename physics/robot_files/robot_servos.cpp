@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "physics/core/find_row.h"
 #include "physics/robot/joint_numbers.h"
 
 namespace crossgait {
@@ -14,6 +15,20 @@ Joint& joint_of(RobotDescription& robot, int i) {
 }
 
 constexpr const char* kOfYaml = "the robot.yaml";
+
+/// A law by its name, in the place of its numbers.
+void read_law(const YamlValue& values, Joint& joint, RobotReport& report) {
+  const auto law = values.find(kServoLawKey);
+  if (!law) return;
+  for (const char* number : {"implicit_stiffness", "implicit_damping"}) {
+    if (const auto value = values.find(number)) value->fail("either a law or its numbers", "both");
+  }
+  const ServoLaw& row = find_row(kServoLaws, law->text(), values.source(), "servo law");
+  joint.implicit_stiffness = row.implicit_stiffness;
+  joint.implicit_damping = row.implicit_damping;
+  for (const char* number : {"implicit_stiffness", "implicit_damping"})
+    report.reasons[joint.name][number] = kOfYaml;
+}
 
 /// Those of the numbers of one kind that are there.
 void read_numbers(const YamlValue& values, JointNumberOf of, Joint& joint, RobotReport& report) {
@@ -33,9 +48,12 @@ void read_exception(const std::string& name, const YamlValue& values, RobotDescr
   while (i < robot.joint_count() && robot.joint(i).name != name) ++i;
   if (i == robot.joint_count()) values.fail("a moving joint of the robot's file", fmt::format("'{}'", name));
   Joint& target = joint_of(robot, i);
-  values.allow_keys(target.actuated ? joint_number_names({kJoint, kServo, kDrive})
-                                    : joint_number_names({kJoint}));
+  std::vector<std::string_view> keys =
+      target.actuated ? joint_number_names({kJoint, kServo, kDrive}) : joint_number_names({kJoint});
+  if (target.actuated) keys.push_back(kServoLawKey);
+  values.allow_keys(keys);
   for (const JointNumberOf of : {kJoint, kServo, kDrive}) read_numbers(values, of, target, report);
+  read_law(values, target, report);
 }
 
 /// Names of joints, and a number that they share or the least and largest of it.
@@ -152,7 +170,10 @@ void infer_gains(const ServoRule& rule, const std::set<int>& unknown, RobotDescr
 /// Servos as if the file said nothing of them. Their torque limits stay the file's.
 void forget_gains(RobotDescription& robot) {
   for (const LegModel& leg : *robot.legs) {
-    for (const int i : leg.servos) joint_of(robot, i).kp = joint_of(robot, i).kd = 0;
+    for (const int i : leg.servos) {
+      Joint& joint = joint_of(robot, i);
+      joint.kp = joint.kd = joint.implicit_stiffness = joint.implicit_damping = 0;
+    }
   }
 }
 
@@ -175,7 +196,9 @@ void set_armatures(const std::optional<YamlValue>& given, const ServoRule& rule,
 
 void read_gains(const YamlValue& servo, const std::set<int>& unknown, RobotDescription& robot,
                 RobotReport& report) {
-  servo.allow_keys(joint_number_names({JointNumberOf::kServo}));
+  std::vector<std::string_view> keys = joint_number_names({JointNumberOf::kServo});
+  keys.push_back(kServoLawKey);
+  servo.allow_keys(keys);
   for (const char* required : {"kp", "kd"})
     static_cast<void>(servo.at(required));  // throws if it is not there
   for (const LegModel& leg : *robot.legs) {
@@ -183,6 +206,7 @@ void read_gains(const YamlValue& servo, const std::set<int>& unknown, RobotDescr
       Joint& joint = joint_of(robot, i);
       if (unknown.count(i) > 0) joint.effort_limit = 0;  // refused by name unless it is said here
       read_numbers(servo, JointNumberOf::kServo, joint, report);
+      read_law(servo, joint, report);
     }
   }
 }

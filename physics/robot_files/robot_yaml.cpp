@@ -83,8 +83,7 @@ std::string yaml_numbers(std::string_view key, JointNumberOf of, const Joint& jo
   std::vector<std::string> values;
   std::vector<std::string_view> units;
   for (const JointNumber& number : kJointNumbers) {
-    const bool is_off_at_zero = of == JointNumberOf::kDrive || number.member == &Joint::effort_negative;
-    if (number.of != of || (is_off_at_zero && joint.*number.member == 0)) continue;
+    if (number.of != of || (is_off_at_zero(number) && joint.*number.member == 0)) continue;
     values.push_back(fmt::format("{}: {}", number.name, joint.*number.member));
     units.push_back(number.unit);
   }

@@ -14,6 +14,7 @@ nb::dict laws(const EngineInfo& info) {
   result["joint_friction"] = info.laws.joint_friction;
   result["joint_limits"] = info.laws.joint_limits;
   result["couplings"] = info.laws.couplings;
+  result["implicit_servos"] = info.laws.implicit_servos;
   result["contact_family"] = info.laws.contact_family;
   return result;
 }

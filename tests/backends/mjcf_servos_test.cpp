@@ -56,6 +56,20 @@ TEST_F(MjcfServos, ALimitOfTheJointIsThatOfAllItsActuators) {
   EXPECT_EQ(hip(two).kd, 2);
 }
 
+TEST_F(MjcfServos, AreDampedAtAStepsEndUnderImplicitIntegrators) {
+  const std::string servo = R"(<position joint="FL_hip" kp="60" kv="2"/>)";
+  EXPECT_EQ(hip(servo).implicit_damping, 0);
+  const std::string compiler = compiler_;
+  for (const char* integrator : {"implicit", "implicitfast"}) {
+    compiler_ = compiler + "<option integrator=\"" + integrator + "\"/>";
+    EXPECT_EQ(hip(servo).implicit_damping, 1) << integrator;
+    EXPECT_EQ(hip(servo).implicit_stiffness, 0) << integrator;
+    EXPECT_EQ(hip(R"(<position joint="FL_hip" kp="60"/>)").implicit_damping, 0) << "nothing is damped";
+  }
+  compiler_ = compiler + R"(<option integrator="RK4"/>)";
+  EXPECT_EQ(hip(servo).implicit_damping, 0);
+}
+
 TEST_F(MjcfServos, LimitsCountWhereTheyAreLimits) {
   const std::string motor = R"(<motor joint="FL_hip" ctrlrange="-35 35" ctrllimited="false"/>)";
   EXPECT_EQ(hip(motor).effort_limit, 0);

@@ -92,6 +92,7 @@ TEST(Registry, FamiliesLeadFromOneEndToTheOther) {
                    .joint_friction = "mujoco",
                    .joint_limits = "mujoco",
                    .couplings = "mujoco",
+                   .implicit_servos = "implicit",
                    .contact_family = "compliant"};
   for (const std::string& name : own_engines()) {
     const bool is_end = std::any_of(engine_families().begin(), engine_families().end(),

@@ -90,8 +90,8 @@ TEST(Checks, StandInTheDocumentsAsTheyAre) {
       {"checks-motion.md", "Checks of the model and its motion", {"model", "free motion", "joints"}},
       {"checks-contact.md", "Checks of ground and contact", {"ground", "friction", "contacts", "shapes"}},
       {"checks-joints.md",
-       "Checks of what holds and stops joints",
-       {"loops", "couplings", "joint friction", "joint limits"}},
+       "Checks of what holds, stops and drives joints",
+       {"loops", "couplings", "joint friction", "joint limits", "implicit servos"}},
       {"checks-runs.md", "Checks of determinism and parity", {"determinism", "parity"}}};
   std::vector<std::string> told;
   for (const PageOfChecks& page : pages) {

@@ -163,6 +163,11 @@ std::vector<Planted> of_contact() {
        [loop_softness, count = std::make_shared<int>(0)](WorldSpec& spec) {
          if (++*count % 2 == 0) loop_softness(spec);
        }},
+  };
+}
+
+std::vector<Planted> of_joint_rows_and_parity() {
+  return {
       {"coupled_pendulums", of_couplings([](JointCoupling& c) { c.coefficients[1] *= 1.01; })},
       {"coupling_momentum", of_couplings([](JointCoupling& c) { c.coefficients[1] *= 1.01; })},
       {"coupling_softness", of_couplings([](JointCoupling& c) { c.softness.time_constant *= 1.1; })},
@@ -179,6 +184,10 @@ std::vector<Planted> of_contact() {
       {"joint_limit_return", of_bodies([](Body& body) { body.joint.limited = false; })},
       {"joint_limit_none", of_bodies([](Body& body) { body.joint.limited = true; })},
       {"joint_limits_reported", of_limits(1.001)},
+      {"implicit_servo_recursion", of_joints(&Joint::kp, 1.02)},
+      {"implicit_servo_stiff", of_bodies([](Body& body) { body.joint.implicit_stiffness = 0; })},
+      {"implicit_servo_limits", of_joints(&Joint::effort_limit, 0.999)},
+      {"implicit_servo_standing", of_joints(&Joint::kp, 1.5)},
       {"model_audit", of_joints(&Joint::armature, 1.01)},
       {"same_swing", of_joints(&Joint::armature, 1.01)},
       {"same_trot_flat", of_joints(&Joint::armature, 1.01)},
@@ -186,6 +195,7 @@ std::vector<Planted> of_contact() {
       {"same_sled", of_friction(1.01)},
       {"same_joint_friction", of_joints(&Joint::friction, 0.9)},
       {"same_couplings", of_couplings([](JointCoupling& c) { c.coefficients[1] *= 1.01; })},
+      {"same_implicit_servos", of_joints(&Joint::armature, 1.01)},
       {"walks_as_far", [](WorldSpec& spec) { spec.contact.friction = 0.05; }},
   };
 }
@@ -193,6 +203,7 @@ std::vector<Planted> of_contact() {
 std::vector<Planted> planted_faults() {
   std::vector<Planted> all = of_model_and_motion();
   for (Planted& planted : of_contact()) all.push_back(std::move(planted));
+  for (Planted& planted : of_joint_rows_and_parity()) all.push_back(std::move(planted));
   return all;
 }
 

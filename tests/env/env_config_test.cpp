@@ -129,16 +129,32 @@ TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
   EXPECT_EQ(complaint("action: joints\njoints: {gain: 2}\n"),
             "env.yaml: line 2, joints.gain: expected one of the keys order, observed, command, home, offset, "
             "scale, lower, upper, limit, delay, filter, actuator, found unknown key 'gain'");
-  EXPECT_EQ(complaint("servos: {ki: 2}\n"),
-            "env.yaml: line 1, servos.ki: expected one of the keys kp, kd, effort, effort_negative, "
-            "damping, stiffness, armature, friction, corner_speed, no_load_speed, backlash, delay, lag, "
-            "sensor_noise, found unknown key 'ki' (did you mean kp?)");
+  EXPECT_EQ(
+      complaint("servos: {ki: 2}\n"),
+      "env.yaml: line 1, servos.ki: expected one of the keys kp, kd, effort, effort_negative, "
+      "implicit_stiffness, implicit_damping, damping, stiffness, armature, friction, corner_speed, "
+      "no_load_speed, backlash, delay, lag, sensor_noise, law, found unknown key 'ki' (did you mean kp?)");
   EXPECT_EQ(complaint("observation: [{block: gravity, gain: 2}]\n"),
             "env.yaml: line 1, observation[0].gain: expected one of the keys block, scale, clip, "
             "clip_unscaled, noise, "
             "delay, history, found unknown key 'gain'");
   EXPECT_EQ(complaint("observation: [{block: gravity, scale: fast}]\n"),
             "env.yaml: line 1, observation[0].scale: expected a finite number, found 'fast'");
+}
+
+TEST(EnvConfig, AServoLawIsItsTwoNumbers) {
+  const auto servos = [](const std::string& text) {
+    return parse_env_config("servos: {" + text + "}\n", "env.yaml").servos;
+  };
+  EXPECT_EQ(servos("law: drive"), servos("implicit_stiffness: 1, implicit_damping: 1"));
+  EXPECT_EQ(servos("law: damping"), servos("implicit_stiffness: 0, implicit_damping: 1"));
+  EXPECT_EQ(servos("law: {all: explicit, FL_knee: drive}"),
+            servos("implicit_stiffness: {all: 0, FL_knee: 1}, implicit_damping: {all: 0, FL_knee: 1}"));
+  EXPECT_EQ(
+      complaint("servos: {law: drives}\n"),
+      "env.yaml: servo law: expected one of explicit, damping, drive, found 'drives' (did you mean drive?)");
+  EXPECT_EQ(complaint("servos: {law: drive, implicit_damping: 0}\n"),
+            "env.yaml: line 1, servos.implicit_damping: expected either a law or its numbers, found both");
 }
 
 TEST(EnvConfig, WhatComesOnTopReplacesKeyByKey) {

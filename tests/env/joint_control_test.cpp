@@ -345,6 +345,19 @@ TEST(JointActionSettings, NameWhatIsWrong) {
             "environment: joints.delay: expected a whole multiple of 0.002 s, found 0.003");
   EXPECT_EQ(complaint([](EnvConfig& c) { c.observation.emplace_back("phase"); }),
             "environment: observation: expected blocks that are there with action: joints, found phase");
+  EXPECT_EQ(
+      complaint([](EnvConfig& c) {
+        c.joints.command = JointCommand::kTorque;
+        c.control_dt = c.physics_dt;
+        c.servos["kd"].all = 1;
+        c.servos["implicit_damping"].all = 1;
+      }),
+      "environment: servos of FL_abduction: expected an explicit servo (law: explicit), which makes the "
+      "torque that it is given, found implicit_stiffness 0, implicit_damping 1");
+  EXPECT_NE(complaint([](EnvConfig& c) {
+              c.servos["implicit_damping"].all = 1.5;
+            }).find("implicit_damping, a share of at most 1"),
+            std::string::npos);
   EXPECT_NE(complaint([](EnvConfig& c) { c.servos["kp"].all = -1; }).find("kp (N m/rad) >= 0"),
             std::string::npos);
   EXPECT_NE(complaint([](EnvConfig& c) {

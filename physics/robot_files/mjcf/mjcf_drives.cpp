@@ -119,12 +119,21 @@ class Driver {
       warnings_.count(fmt::format("took {:g} for 0 as the damping (-biasprm[2]) of ", -a.bias[2]),
                       " actuator(s): it would drive what it damps", a.place);
     }
+    take_law(joint);
     if (a.bias[0] != 0)
       warnings_.count(fmt::format("took {:g} for 0 as the constant force (biasprm[0]) of ", a.bias[0]),
                       " actuator(s)", a.place);
     if (!a.is_position()) return;
     joint.lag = std::max(joint.lag, a.lag);
     joint.delay = std::max(joint.delay, a.delay);
+  }
+
+  /// MuJoCo's implicit integrators take what actuators do by velocity at a step's end (mjd_actuator_vel).
+  void take_law(Joint& joint) {
+    const std::string integrator = robot_.contact.integrator.value_or("");
+    if (!integrator.starts_with("implicit") || !(joint.kd > 0)) return;
+    joint.implicit_damping = 1;
+    robot_.reasons[joint.name]["implicit_damping"] = fmt::format("the file's integrator, {}", integrator);
   }
 
   Bounds torques_of(const MjcfActuator& a) const {

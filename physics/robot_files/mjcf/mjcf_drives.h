@@ -22,6 +22,8 @@ using MjcfJointForces = std::map<std::string, MjcfRange>;
 ///    servo's control is an angle) and the joint's own, each where it is limited.
 ///  - A damping ratio z is kd = 2 z sqrt(kp M), M the inertia that the joint moves, armature included and all
 ///    else free, at the angles at which the file has the bodies (as MuJoCo 4.0.0 compiles it).
+///  - Under an implicit integrator servos are damped at a step's end (Joint::implicit_damping).
+/// @param robot  whose contact is the file's
 /// @throws ConfigError for an actuator of a joint that the file does not have
 void drive_joints(const std::vector<MjcfActuator>& actuators, const MjcfJointForces& forces,
                   const MjcfModel& model, const std::string& path, ParsedRobot& robot,

@@ -15,7 +15,8 @@ _NO_LIMIT = 100.0
 _FRICTION = 1.0
 #: By which a target is found at which a servo's law gives a torque, N m/rad: 100 N m within 0.1 rad.
 _GIVING_STIFFNESS = 1000.0
-_SERVOS = ("kp", "kd", "effort", "armature", "friction", "corner_speed", "no_load_speed", "delay")
+_IMPLICIT = ("implicit_stiffness", "implicit_damping")
+_SERVOS = ("kp", "kd", "effort", *_IMPLICIT, "armature", "friction", "corner_speed", "no_load_speed", "delay")
 
 
 def make_environment(contract: Contract, robot: str) -> dict[str, Any]:
@@ -42,6 +43,7 @@ def make_environment(contract: Contract, robot: str) -> dict[str, Any]:
             key: one_or_each(value, len(contract.joints))
             for key in _SERVOS
             if isinstance(value := contract.get(f"servos.{key}"), dict)
+            and (key not in _IMPLICIT or any(value.values()))
         },
         "friction": contract.get("friction"),
         "command": _command(contract),
@@ -70,6 +72,12 @@ def _let_servos_give_torques(contract: Contract) -> None:
     commands = contract.get("joints.command")
     of = commands if isinstance(commands, dict) else {joint: commands for joint in contract.joints}
     given = [j for j in contract.joints if of.get(j) in ("torque", "velocity") or "joints.actuator" in contract.fields]
+    for key in _IMPLICIT:
+        law = contract.fields.get(f"servos.{key}")
+        if law is not None and any(law.value.get(joint) for joint in given):
+            value = law.value | dict.fromkeys(given, 0.0)
+            source = f"{law.source}; 0 where a servo is made to give torques"
+            contract.fields[law.name] = Field(law.name, value, source)
     stated = contract.fields["servos.kp"]
     numbers = stated.value if isinstance(stated.value, dict) else {}
     lacking = [j for j in given if not numbers.get(j, 0.0 if "joints.actuator" in contract.fields else 1.0) > 0]

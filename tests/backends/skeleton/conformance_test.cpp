@@ -30,6 +30,8 @@ TEST(SkeletonEngine, IsAskedNearlyEverything) {
       left_out.insert(check.name);
   EXPECT_EQ(left_out,
             (std::set<std::string>{"soft_friction", "turning_friction", "error_reduction", "joint_limit_rest",
+                                   "implicit_servo_recursion", "implicit_servo_stiff",
+                                   "implicit_servo_limits", "implicit_servo_standing", "same_implicit_servos",
                                    "joint_limit_stop", "joint_limit_return", "joint_limit_none",
                                    "joint_limits_reported", "same_swing", "same_trot_flat", "same_trot_rough",
                                    "same_sled", "same_joint_friction", "same_couplings"}));

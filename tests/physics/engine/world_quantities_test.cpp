@@ -25,6 +25,7 @@ WorldSpec with_everything() {
     if (!joint.actuated) continue;
     joint.kd = 0.01;
     joint.effort_negative = 0.8;
+    joint.implicit_stiffness = joint.implicit_damping = 0.5;
     joint.corner_speed = 10;
     joint.no_load_speed = 20;
     joint.backlash = 0.01;

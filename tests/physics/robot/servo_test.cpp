@@ -1,5 +1,7 @@
 // Servo torques, what stands before them, and whether steps are short enough for them.
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -79,6 +81,68 @@ TEST(Servo, WhatItHoldsFollowsTheTarget) {
   EXPECT_EQ(torque(drives), torque(other));
 }
 
+// The law written with the angle and speed at which the step ends.
+TEST(ImplicitServo, IsTheLawOfTheStepsEnd) {
+  constexpr double kStep = 4e-3;
+  Joint joint = one_servo().joint(0);
+  joint.kp = 60, joint.kd = 3, joint.effort_limit = 20, joint.effort_negative = 7;
+  for (const auto& [s, d] : {std::pair(1.0, 1.0), {0.0, 1.0}, {1.0, 0.0}, {0.3, 0.8}}) {
+    joint.implicit_stiffness = s, joint.implicit_damping = d;
+    ASSERT_TRUE(is_implicit(joint));
+    for (const double target : {-0.4, 0.0, 0.3}) {
+      const double q = 0.1, v = -2;
+      const auto servo = implicit_servo(joint, 3, target, q, v, kStep);
+      ASSERT_TRUE(servo);
+      EXPECT_EQ(servo->joint, 3);
+      for (const double a : {-900.0, -20.0, 0.0, 55.0, 900.0}) {
+        const double end = v + kStep * a;
+        const double wanted = joint.kp * (target - q - s * kStep * end) - joint.kd * ((1 - d) * v + d * end);
+        EXPECT_NEAR(servo->torque_at(a), std::clamp(wanted, -7.0, 20.0), 1e-12) << s << " " << d << " " << a;
+      }
+    }
+  }
+}
+
+TEST(ImplicitServo, IsExplicitWhereNothingIsImplicit) {
+  Joint joint = one_servo().joint(0);
+  EXPECT_FALSE(is_implicit(joint));
+  joint.implicit_damping = 1;  // of a damping of 0
+  EXPECT_FALSE(is_implicit(joint));
+  joint.kd = 1;
+  EXPECT_TRUE(is_implicit(joint));
+  joint.actuated = false;
+  EXPECT_FALSE(is_implicit(joint));
+}
+
+TEST(ImplicitServo, HasNoTorqueWithinThePlayNorBeyondItsSpeed) {
+  Joint joint = one_servo().joint(0);
+  joint.kd = 1, joint.implicit_stiffness = joint.implicit_damping = 1, joint.backlash = 0.1;
+  EXPECT_FALSE(implicit_servo(joint, 0, 0.04, 0, 3, 1e-3));
+  const auto pushing = implicit_servo(joint, 0, 0.25, 0, 0, 1e-3);
+  ASSERT_TRUE(pushing);
+  EXPECT_DOUBLE_EQ(pushing->torque, 10 * 0.2);
+  EXPECT_EQ(pushing->lower, 0) << "it would pull back through the play";
+  EXPECT_EQ(implicit_servo(joint, 0, -0.25, 0, 0, 1e-3)->upper, 0);
+  joint.backlash = 0, joint.no_load_speed = 2;
+  const auto braking = implicit_servo(joint, 0, 1, 0, 5, 1e-3);
+  ASSERT_TRUE(braking);
+  EXPECT_EQ(braking->upper, 0);
+  EXPECT_EQ(braking->lower, -5) << "a drive brakes with all its torque";
+}
+
+TEST(ImplicitServo, IsBesideTheTorquesOfDrives) {
+  RobotDescription robot = one_servo();
+  robot.bodies[1].joint.implicit_stiffness = 1;
+  Drives drives(robot, 1e-3);
+  RobotState state;
+  state.q = state.qd = JointVector::Zero(1);
+  JointVector torques = JointVector::Zero(1);
+  drives.add_torques({JointVector::Constant(1, 0.2)}, state, torques);
+  EXPECT_EQ(torques[0], 0);
+  ASSERT_EQ(drives.implicit().size(), 1U);
+  EXPECT_DOUBLE_EQ(drives.implicit()[0].torque, 2);
+}
+
 // One joint on a base that cannot be moved: kd dt / I + kp dt^2 / (2 I), I that of the rod and the rotor. A
 // base of 1e6 kg gives way by 1e-8 of that.
 TEST(ServoLoop, OfOneJointIsItsDampingOverItsInertia) {
@@ -107,6 +171,26 @@ TEST(ServoLoop, IsUnstableFromTwoOn) {
       q += kStep * qd;
     }
     EXPECT_EQ(std::abs(q) < 1e-3, ratio < 2) << kd << ": " << ratio;
+  }
+}
+
+TEST(ServoLoop, OfAnImplicitServoIsStableAtAnyGain) {
+  RobotDescription robot = one_servo();
+  Joint& joint = robot.bodies[1].joint;
+  for (const double gain : {1e2, 1e4, 1e6}) {
+    joint.kp = 100 * gain, joint.kd = gain;
+    joint.implicit_stiffness = joint.implicit_damping = 1;
+    const double ratio = stiffest_servo_loop(robot, 0.005)->ratio;
+    EXPECT_LT(ratio, 2) << gain;
+    // A step of it, and of its criterion, as above.
+    double q = 1e-3, qd = 0;
+    for (int i = 0; i < 1000; ++i) {
+      qd = (0.03 * qd - 0.005 * joint.kp * q) / (0.03 + 0.005 * joint.kd + 0.005 * 0.005 * joint.kp);
+      q += 0.005 * qd;
+    }
+    EXPECT_LT(std::abs(q), 1e-3) << gain;
+    joint.implicit_stiffness = joint.implicit_damping = 0;
+    EXPECT_GT(stiffest_servo_loop(robot, 0.005)->ratio, 2) << gain;
   }
 }
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "physics/robot/multibody.h"
+#include "physics/robot/robot_identity.h"
 #include "physics/robot_files/robot_report.h"
 #include "tests/physics/core/config_error.h"
 #include "tests/physics/core/scratch_folder.h"
@@ -304,6 +305,32 @@ TEST_F(Inferred, TheRuleTakesThePlaceOfTheFilesGainsWhereItIsAsked) {
   write("robot.yaml", "urdf: made.urdf\nservo: rule\n");
   EXPECT_EQ(hip(load_robot_with_report(file)).kp, rule.kp);
   EXPECT_EQ(hip(load_robot_with_report(file)).effort_limit, 20);  // the URDF's
+}
+
+TEST_F(Inferred, AServoLawIsReadByNameAndWrittenAsNumbers) {
+  write("made.urdf", SerialUrdf().text());
+  const auto read = [&](const std::string& rest) {
+    return load_robot_with_report(
+        write("robot.yaml", "urdf: made.urdf\nservo: {kp: 70, kd: 2, effort: 9, " + rest));
+  };
+  const LoadedRobot drive = read("law: drive}\njoints: {FL_knee: {law: damping}}\n");
+  EXPECT_EQ(drive.robot.joint(0).implicit_stiffness, 1);
+  EXPECT_EQ(drive.robot.joint(0).implicit_damping, 1);
+  const Joint& knee = drive.robot.joint((*drive.robot.legs)[Leg::FL].joint("knee"));
+  EXPECT_EQ(knee.implicit_stiffness, 0);
+  EXPECT_EQ(knee.implicit_damping, 1);
+  const LoadedRobot again = load_robot_with_report(write("written.yaml", to_yaml(drive, path("made.urdf"))));
+  EXPECT_EQ(identity_hash(again.robot), identity_hash(drive.robot));
+  EXPECT_NE(identity_hash(read("law: explicit}\n").robot), identity_hash(drive.robot));
+  EXPECT_EQ(identity_text(read("law: explicit}\n").robot).find("implicit"), std::string::npos)
+      << "robots keep the identity that they had before there were laws";
+  const auto complaint = [&](const std::string& rest) {
+    return std::string(config_error([&] { read(rest); }).what());
+  };
+  EXPECT_NE(complaint("law: spring}\n").find("expected one of explicit, damping, drive"), std::string::npos);
+  EXPECT_NE(complaint("law: drive, implicit_damping: 1}\n")
+                .find("servo.implicit_damping: expected either a law or its numbers, found both"),
+            std::string::npos);
 }
 
 TEST_F(Inferred, ATorqueLimitThatNoServoHasIsReplacedAndSaid) {

@@ -167,7 +167,9 @@ def _actuator(actuator: Stated, contract: Contract, dt: float, options: Options)
             names.fail("every servo: one network for all", ", ".join(names.texts()))
         contract.say_actuator(_network(actuator, _class_of(kind), dt, options))
     implicit = _class_of(kind) == "ImplicitActuator"
-    contract.say("drive", "implicit: run as an explicit servo of these gains" if implicit else "explicit", kind.place)
+    for name in ("servos.implicit_stiffness", "servos.implicit_damping"):
+        # PhysX solves the drives of an ImplicitActuator; the others compute torques of a step's beginning.
+        _say_some(contract, name, dict.fromkeys(joints, 1.0 if implicit else 0.0), kind.place)
     effort = actuator.find("effort_limit_sim") if implicit else None
     _extend(contract, "servos.effort", effort or actuator.find("effort_limit"), joints)
     if (ignored := actuator.find("effort_limit_sim")) is not None:

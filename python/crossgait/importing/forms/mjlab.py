@@ -25,6 +25,10 @@ def read(root: Stated, contract: Contract, options: Options) -> None:
         ("action_scale", "joints.scale"),
     ):
         contract.say_by_joint(name, root.find(key))
+    # The metadata do not name the integrator.
+    contract.assume(
+        "servos.implicit_damping", dict.fromkeys(contract.joints, 1.0), "mjlab's default integrator, implicitfast"
+    )
     names = _listed(root.at("observation_names"))
     if contract.is_set("observation"):
         root.skip()
