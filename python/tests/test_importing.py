@@ -224,6 +224,18 @@ def test_what_isaac_lab_has_and_crossgait_not(tmp_path, old, new, message):
         crossgait.import_policy(file, ROBOT, tmp_path / "walk", tmp_path / "env.yaml")
 
 
+def test_implicit_actuators_are_servos_of_the_law_drive(tmp_path):
+    text = published.ENV_YAML.replace("actuator_pd:DCMotor", "actuator_pd:ImplicitActuator")
+    imported = imported_from(tmp_path, text.replace("        saturation_effort: 47.0\n", ""))
+    servos = imported.environment["servos"]
+    assert servos["implicit_stiffness"] == servos["implicit_damping"] == 1.0
+    field = next(f for f in imported.fields if f.name == "servos.implicit_damping")
+    assert "env.yaml" in field.source
+    (tmp_path / "explicit").mkdir()
+    explicit = imported_from(tmp_path / "explicit", published.ENV_YAML)
+    assert "implicit_damping" not in explicit.environment["servos"]
+
+
 def imported_from(tmp_path, text, observations=51):
     """A network of that size under that env.yaml."""
     file = published.export_script(published.actor(observations), tmp_path / "policy.pt")
