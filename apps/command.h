@@ -40,6 +40,7 @@ namespace crossgait::apps {
   COMMAND(import)                   \
   COMMAND(diagnose)                 \
   COMMAND(score)                    \
+  COMMAND(matrix)                   \
   COMMAND(course)                   \
   COMMAND(tune)                     \
   COMMAND(rerun)                    \

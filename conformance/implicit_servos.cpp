@@ -1,5 +1,5 @@
-// Servos whose torque hangs on how a step ends: against their own recursion, where explicit ones are unstable,
-// at their torque limits, and under a standing robot.
+// Servos whose torque hangs on how a step ends: against their own recursion, where explicit ones are
+// unstable, at their torque limits, and under a standing robot.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -82,7 +82,8 @@ std::vector<double> implicit_limits(const Subject& subject) {
     world->reset();
     advance(*world, target(goal), 10);
     torque = std::max(torque, std::abs(world->torques()[0] / tau - 1));
-    speed = std::max(speed, std::abs(world->state().qd[0] * arm.link.joint_inertia() / (tau * 10 * kStep) - 1));
+    speed =
+        std::max(speed, std::abs(world->state().qd[0] * arm.link.joint_inertia() / (tau * 10 * kStep) - 1));
   }
   return {torque, speed};
 }
@@ -125,19 +126,22 @@ std::vector<Check> implicit_servo_checks() {
        {at_most(1e-4, "from the target after a fifth of a second", "rad", "kd / kp is 0.5 ms"),
         at_most(1e-6, "beyond the target on the way", "rad", "overdamped"),
         at_most(1e-6, "backwards on the way", "rad", "overdamped")},
-       stiff_servo, precondition},
+       stiff_servo,
+       precondition},
       {"implicit_servo_limits",
        "Their torque keeps to its limits, one for each direction",
        {with_rounding(at_most(1e-12, "torque off, relative", "", "it is the limit itself"), 10),
         with_rounding(at_most(1e-9, "speed after ten steps off, relative", "", "solvers stop early"), 1000)},
-       implicit_limits, precondition},
+       implicit_limits,
+       precondition},
       {"implicit_servo_standing",
        "A robot stands on them: solved along with loops and contacts",
        {at_most(0.6, "largest torque of a spring, over the servo's limit", "", "its weight takes less"),
         with_rounding(at_most(1e-3, "that torque off the one that is reported, over the limit", "",
                               "it has come to rest, but for rounding of speeds, a hundredfold damping times"),
                       1e5)},
-       implicit_stand, precondition},
+       implicit_stand,
+       precondition},
   };
 }
 

@@ -25,7 +25,8 @@ PolicyCell cell_of(const ScoredPolicy& policy, const std::string& engine, const 
   cell.policy = policy.name;
   cell.trained_in = policy.trained_in;
   cell.engine = engine;
-  const Interval value = PairedDifferences(result.by_seed(test.seeds)).interval(kScoreConfidence);
+  cell.by_start = result.by_seed(test.seeds);
+  const Interval value = PairedDifferences(cell.by_start).interval(kScoreConfidence);
   cell.value = value.estimate;
   cell.low = value.low;
   cell.high = value.high;

@@ -38,6 +38,7 @@ struct PolicyCell {
   double speed_error = 0, yaw_rate_error = 0;  ///< m/s, rad/s
   double jitter = 0;                           ///< rad/s^2
   double effort = 0;                           ///< power over weight and speed
+  std::vector<double> by_start;                ///< the score, mean over commands
   bool done = false;                           ///< does_what_is_asked
   std::string complaint;                       ///< what_is_wrong
 };

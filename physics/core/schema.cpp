@@ -12,9 +12,9 @@ namespace {
 constexpr std::string_view kVersion = "draft";
 
 constexpr auto kSchemas = std::to_array<std::string_view>({
-    "bench", "compare", "conformance", "course", "diagnose", "engines", "env",
-    "gait",  "ik",      "import",      "robots", "report",   "rollout", "score",
-    "stand", "terrain", "transfer",    "tune",   "verdict",  "walk",    "workspace",
+    "bench",   "compare",  "conformance", "course",  "diagnose", "engines",   "env",   "gait",
+    "ik",      "import",   "matrix",      "robots",  "report",   "rollout",   "score", "stand",
+    "terrain", "transfer", "tune",        "verdict", "walk",     "workspace",
 });
 
 }  // namespace

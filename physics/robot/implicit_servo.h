@@ -11,9 +11,9 @@ namespace crossgait {
 ///
 /// It is a constraint row with a bounded impulse: an engine solves it along with its contacts.
 struct ImplicitServo {
-  int joint = -1;           ///< as in RobotDescription::joint
-  double torque = 0;        ///< at no acceleration and without bounds, N m
-  double inertia = 0;       ///< > 0, kg m^2
+  int joint = -1;               ///< as in RobotDescription::joint
+  double torque = 0;            ///< at no acceleration and without bounds, N m
+  double inertia = 0;           ///< > 0, kg m^2
   double lower = 0, upper = 0;  ///< N m, lower < upper
 
   double torque_at(double acceleration) const noexcept {

@@ -33,6 +33,7 @@ std::vector<Command> commands() {
       {"transfer", "transfer --episodes 1 --episode-seconds .1 --terrains 'flat;stairs:rise=.005,run=.1'"},
       {"course", "course --sections payload-30,rough-30mm --episodes 2 --set cycle_time=.3"},
       {"diagnose", "diagnose serial_joints --engine " + available_engines().front()},
+      {"matrix", "matrix serial_joints --starts 2 --seconds 1.5 --engines " + available_engines().front()},
       {"score", "score serial_joints --starts 2 --seconds 1.5 --engines " + available_engines().front()},
       {"tune", "tune --iterations 1 --population 4 --terrains 1 --unseen 0 --episode-seconds .1"},
       {"gait", "gait --seconds .1"},

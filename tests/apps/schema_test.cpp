@@ -101,6 +101,8 @@ std::vector<Case> cases() {
       {"transfer", "transfer --episodes 1 --episode-seconds .1"},
       {"course", "course --sections speed-1.0,pushed --episodes 1"},
       {"diagnose", "diagnose serial_joints --engine " + engines.front()},
+      {"matrix",
+       "matrix serial_joints --starts 2 --seconds 1.5 --engines " + engines.front() + "," + engines.back()},
       {"score", "score serial_joints --starts 2 --seconds 1.5 --engines " + engines.front()},
       {"tune", "tune --iterations 1 --population 4 --terrains 1 --unseen 1 --episode-seconds .1"},
       {"engines", "engines"},

@@ -45,8 +45,7 @@ TEST_P(ImplicitServos, ContinueBitForBit) {
   const auto a = engine.make(spec), b = engine.make(spec);
   const scenes::Trot trot(*spec.robot);
   const auto advance = [&](PhysicsBackend& world, int steps) {
-    for (int i = 0; i < steps; ++i)
-      ASSERT_EQ(world.step(trot.targets(world.state().time)), StepStatus::kOk);
+    for (int i = 0; i < steps; ++i) ASSERT_EQ(world.step(trot.targets(world.state().time)), StepStatus::kOk);
   };
   advance(*a, 700);
   b->restore(a->save());

@@ -11,8 +11,8 @@
 namespace crossgait::mujoco {
 namespace {
 
-// One hinge has no velocities that others depend on, and no contact, after which MuJoCo's integrators damp: what
-// is left is the servo's law.
+// One hinge has no velocities that others depend on, and no contact, after which MuJoCo's integrators damp:
+// what is left is the servo's law.
 TEST(ImplicitServo, DampsAsMujocosImplicitIntegratorDoes) {
   const scenes::ArmLink link{.armature = 1e-3, .servo = true, .kp = 15, .kd = 2.5, .effort_limit = 1e3};
   RobotDescription robot = *scenes::arm({link});

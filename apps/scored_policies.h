@@ -1,0 +1,32 @@
+// What `score` and `matrix` ask for: policies, each in the environment that it was made for, in some engines.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/command.h"
+#include "diagnosis/policy_score.h"
+
+namespace crossgait::apps {
+
+struct ScoredPoliciesOptions {
+  std::vector<std::string> policies, engines, trained_in;
+  std::string env;
+  PolicyScoreOptions how;
+  JsonOption json;
+
+  void add_to(CLI::App& command, Invocation& invocation);
+};
+
+/// Holds what came of them.
+struct ScoredPolicies {
+  std::vector<ScoredPolicy> policies;
+  std::vector<std::string> engines;
+  std::vector<PolicyCell> cells;
+  Provenance provenance;
+};
+
+/// Reads the policies and walks each in every engine, with its progress. @throws ConfigError
+ScoredPolicies score_them(const ScoredPoliciesOptions& options);
+
+}  // namespace crossgait::apps
