@@ -37,8 +37,10 @@ void add_matrix_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand(
       "matrix", "Where policies were trained against where they run: what each home's lose elsewhere");
   command->footer(
-      "\nScores every policy in every engine (`score`) and averages over those that were trained in one. Give "
-      "several\nof a home, from other seeds: another training gives another policy, and intervals are then over "
+      "\nScores every policy in every engine (`score`) and averages over those that were trained in one. "
+      "Give "
+      "several\nof a home, from other seeds: another training gives another policy, and intervals are then "
+      "over "
       "policies.\n\nExamples:\n"
       "  crossgait matrix serial_joints --engines mujoco,bullet,dart\n"
       "  crossgait matrix runs/a runs/b walks/c --trained-in c=physx --report matrix.html");

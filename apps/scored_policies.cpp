@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
+#include "diagnosis/import_table.h"
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/env_options.h"
 #include "backends/registry.h"
-#include "diagnosis/import_table.h"
 #include "policy/bundled_policies.h"
 
 namespace crossgait::apps {

@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/command.h"
 #include "diagnosis/policy_score.h"
+
+#include "apps/command.h"
 
 namespace crossgait::apps {
 

@@ -160,8 +160,8 @@ TransferMatrix transfer_matrix(std::span<const PolicyCell> cells) {
   for (const Home& home : homes) {
     for (const std::string& engine : engines) {
       const bool away = engine != home.name();
-      matrix.entries.push_back({home.name(), engine, home.size(), home.score(engine),
-                                away ? home.loss({engine}) : std::nullopt});
+      matrix.entries.push_back(
+          {home.name(), engine, home.size(), home.score(engine), away ? home.loss({engine}) : std::nullopt});
     }
     sentences.push_back(sentence_of(home, engines));
   }
@@ -205,8 +205,10 @@ Table scores_table(std::span<const PolicyCell> cells) {
 
 std::string describe(const TransferMatrix& matrix, std::span<const PolicyCell> cells) {
   std::string text = matrix.summary + "\n\n" + matrix_table(matrix).str();
-  text += "\nScores (docs/diagnosis.md): 0 is best, 3 and more a fall; * at home. In brackets 95 % intervals, over "
-          "policies where a home has several, else over starts.\n\n";
+  text +=
+      "\nScores (docs/diagnosis.md): 0 is best, 3 and more a fall; * at home. In brackets 95 % intervals, "
+      "over "
+      "policies where a home has several, else over starts.\n\n";
   return text + scores_table(cells).str();
 }
 

@@ -7,14 +7,15 @@
 #include <vector>
 
 #include "diagnosis/policy_score.h"
+
 #include "parity/paired_differences.h"
 #include "physics/core/table.h"
 
 namespace crossgait {
 
-/// Holds the policies of one home in one engine. Numbers are means over the policies and intervals the 95 % ones
-/// of such a mean (Student's): over policies where there are two or more, since another training gives another
-/// policy; else over the starts of the one that there is.
+/// Holds the policies of one home in one engine. Numbers are means over the policies and intervals the 95 %
+/// ones of such a mean (Student's): over policies where there are two or more, since another training gives
+/// another policy; else over the starts of the one that there is.
 struct MatrixEntry {
   std::string trained_in;  ///< an engine, or "" of policies of which nobody says it
   std::string engine;      ///< in which they run

@@ -34,6 +34,8 @@ Vector2 project_to_both_reaches(const FiveBarGeometry& g, const Vector2& p) {
     if (within_reach(*other, candidate)) return candidate;
   }
   const double ra = largest_reach(g.a), rb = largest_reach(g.b), base = g.base_distance();
+  // Shoulders on one axis: one disc lies in the other, whatever rounding said above.
+  if (base == 0) return project_to_reach(ra < rb ? g.a : g.b, p);
   const double along = (ra * ra - rb * rb + base * base) / (2 * base);
   return {g.a.shoulder_x + along, std::sqrt(std::max(0.0, ra * ra - along * along))};
 }

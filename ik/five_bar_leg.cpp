@@ -8,7 +8,7 @@ namespace {
 
 /// @returns whether anything changed.
 bool clamp_to_limits(const FiveBarGeometry& g, ServoAngles& q) {
-  bool changed = clamp_angle(q.tilt, g.tilt_limits);
+  bool changed = g.has_tilt && clamp_angle(q.tilt, g.tilt_limits);
   changed |= clamp_angle(q.shoulder_left, g.a.shoulder_limits);
   changed |= clamp_angle(q.shoulder_right, g.b.shoulder_limits);
   return changed;
@@ -29,14 +29,20 @@ PlacedLeg place_leg(const FiveBarGeometry& g, const Vector3& target, WorkingMode
     p = {0, 0, -(g.a.upper + g.a.lower + g.b.upper + g.b.lower) / 3};
   }
   p = p.cwiseMax(-kFar).cwiseMin(kFar);
-  // Not above the shoulders.
-  const double b = g.axis_to_shoulder_down;
-  const auto [tilt, D, too_near] = plane_through(g, p.y(), p.z(), std::max(b, 0.0));
-  leg.tilt = tilt;
-
-  Vector2 foot(p.x(), D - b);
+  Vector2 foot(p.x(), -p.z());
+  IkStatus aside = IkStatus::kOk;
+  if (g.has_tilt) {
+    // Not above the shoulders.
+    const double b = g.axis_to_shoulder_down;
+    const auto [tilt, D, too_near] = plane_through(g, p.y(), p.z(), std::max(b, 0.0));
+    leg.tilt = tilt;
+    foot.y() = D - b;
+    if (too_near) aside = IkStatus::kClampedTooNear;
+  } else if (std::abs(p.y()) > kOffPlane) {
+    aside = IkStatus::kClampedTooFar;
+  }
   IkStatus clamped = clamp_to_workspace(g, foot);
-  if (too_near && clamped == IkStatus::kOk) clamped = IkStatus::kClampedTooNear;
+  if (clamped == IkStatus::kOk) clamped = aside;
   if (leg.status == IkStatus::kOk) leg.status = clamped;
   const ElbowSigns signs = elbow_signs(mode);
   leg.a = place_links(g.a, foot, signs.a);
@@ -81,7 +87,8 @@ LegPosition forward_leg(const FiveBarGeometry& g, double tilt, double shoulder_l
                         WorkingMode mode) noexcept {
   const FiveBarClosure closure =
       close_five_bar(g, upper_link(g.a, shoulder_left), upper_link(g.b, shoulder_right), mode);
-  return {closure.closed, tilted(g, closure.foot, std::cos(tilt), g.tilt_sign * std::sin(tilt)),
+  const double outward = g.has_tilt ? tilt : 0;
+  return {closure.closed, tilted(g, closure.foot, std::cos(outward), g.tilt_sign * std::sin(outward)),
           elbow_angle(g.a, closure.a), elbow_angle(g.b, closure.b)};
 }
 
@@ -98,9 +105,9 @@ Matrix3 leg_jacobian(const FiveBarGeometry& g, const LegAngles& q) noexcept {
   const Vector2 column_a = Vector2(lower_b.y(), -lower_b.x()) * (along_a / det);
   const Vector2 column_b = Vector2(-lower_a.y(), lower_a.x()) * (along_b / det);
 
-  const double c = std::cos(q.tilt), s = g.tilt_sign * std::sin(q.tilt);
+  const double tilt = g.has_tilt ? q.tilt : 0, c = std::cos(tilt), s = g.tilt_sign * std::sin(tilt);
   Matrix3 J;
-  J.col(0) = tilt_column(g, foot.y(), c, s);
+  J.col(0) = g.has_tilt ? tilt_column(g, foot.y(), c, s) : Vector3(Vector3::Zero());
   J.col(1) = tilted_velocity(g, column_a, c, s);
   J.col(2) = tilted_velocity(g, column_b, c, s);
   return J;
@@ -112,12 +119,25 @@ LegMargins leg_margins(const FiveBarGeometry& g, const LegAngles& q) noexcept {
   b.upper = upper_link(g.b, q.shoulder_right);
   a.lower = lower_link(g.a, a.upper, q.elbow_left);
   b.lower = lower_link(g.b, b.upper, q.elbow_right);
-  return {
-      std::min({limit_margin(q.tilt, g.tilt_limits), limit_margin(q.shoulder_left, g.a.shoulder_limits),
+  LegMargins margins{
+      std::min({limit_margin(q.shoulder_left, g.a.shoulder_limits),
                 limit_margin(q.shoulder_right, g.b.shoulder_limits),
                 limit_margin(q.elbow_left, g.a.elbow_limits), limit_margin(q.elbow_right, g.b.elbow_limits)}),
       std::min(elbow_margin(a), elbow_margin(b)),
       std::atan2(std::abs(cross(a.lower, b.lower)), std::abs(a.lower.dot(b.lower)))};
+  if (g.has_tilt) margins.joint_limit = std::min(margins.joint_limit, limit_margin(q.tilt, g.tilt_limits));
+  return margins;
+}
+
+WorkingMode working_mode_of(const FiveBarGeometry& g, const LegAngles& q) noexcept {
+  const auto bends_up = [](const TwoLinkChain& chain, double shoulder, double elbow) {
+    const Vector2 upper = upper_link(chain, shoulder);
+    return cross(upper, lower_link(chain, upper, elbow)) >= 0;
+  };
+  const bool a = bends_up(g.a, q.shoulder_left, q.elbow_left),
+             b = bends_up(g.b, q.shoulder_right, q.elbow_right);
+  if (a == b) return a ? WorkingMode::kBothUp : WorkingMode::kBothDown;
+  return a ? WorkingMode::kUpDown : WorkingMode::kDownUp;
 }
 
 }  // namespace crossgait

@@ -1,4 +1,5 @@
-// Inverse, forward and differential kinematics of a five-bar leg on a tilt joint (ik/tilt_mount.h).
+// Inverse, forward and differential kinematics of a five-bar leg, on a tilt joint (ik/tilt_mount.h) or
+// without.
 #pragma once
 
 #include "ik/five_bar.h"
@@ -6,6 +7,7 @@
 namespace crossgait {
 
 /// Holds joint angles of one leg in the robot's sign convention, rad.
+/// Without a tilt joint `tilt` is 0.
 struct LegAngles {
   double tilt = 0, shoulder_left = 0, shoulder_right = 0, elbow_left = 0, elbow_right = 0;
 };
@@ -55,7 +57,10 @@ struct LegPosition {
 /// zero).
 Matrix3 leg_jacobian(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
 
-/// Returns the margins of all five joints.
+/// Tells which way the elbows bend.
+WorkingMode working_mode_of(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
+
+/// Returns the margins of all joints.
 LegMargins leg_margins(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
 
 }  // namespace crossgait

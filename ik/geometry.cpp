@@ -43,7 +43,7 @@ void validate(const FiveBarGeometry& g, const std::string& source) {
   const auto fail = [&](const char* element, const char* expected, double found) {
     throw ConfigError(source, element, expected, fmt::format("{:g} m", found));
   };
-  if (!(base > 0)) fail("shoulders", "shoulder_left behind shoulder_right", base);
+  if (!(base >= 0)) fail("shoulders", "shoulder_left not ahead of shoulder_right", base);
   for (const TwoLinkChain* c : {&g.a, &g.b}) {
     if (!(c->upper > 0)) fail("upper link", "a positive length", c->upper);
     if (!(c->lower > 0)) fail("lower link", "a positive length", c->lower);
@@ -63,7 +63,7 @@ FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg) {
   const int tilt = model.joint("tilt"), shoulder_left = model.joint("shoulder_left"),
             shoulder_right = model.joint("shoulder_right"), elbow_left = model.joint("elbow_left"),
             elbow_right = model.joint("elbow_right");
-  frames.require_parent(tilt, 0);
+  if (tilt >= 0) frames.require_parent(tilt, 0);
   const Tips tips = joined_tips(robot, frames, elbow_left, elbow_right);
   if (model.foot_body != elbow_left + 1 && model.foot_body != elbow_right + 1) {
     frames.fail("foot", "on one of the two lower links", "on " + frames.at(model.foot_body).name);
@@ -75,13 +75,10 @@ FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg) {
 
   FiveBarGeometry g;
   g.side = side_sign(leg);
-  // A rotation about +x carries a hanging leg towards +y.
-  g.tilt_sign = g.side * frames.axis_sign(tilt, Vector3::UnitX(), "x");
-  g.tilt_limits = frames.limits(tilt);
+  g.has_tilt = tilt >= 0;
   g.a = chain(frames, tilt, shoulder_left, elbow_left, tips.a);
   g.b = chain(frames, tilt, shoulder_right, elbow_right, tips.b);
 
-  const Vector3 axis = frames.pose(tilt).translation();
   const Vector3 left = frames.pose(shoulder_left).translation();
   const Vector3 right = frames.pose(shoulder_right).translation();
   if (const double step = right.z() - left.z(); std::abs(step) > kAligned) {
@@ -95,8 +92,15 @@ FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg) {
   g.p_BL = {(left.x() + right.x()) / 2, plane_left, left.z()};
   g.a.shoulder_x = left.x() - g.p_BL.x();
   g.b.shoulder_x = right.x() - g.p_BL.x();
-  g.axis_to_plane_out = g.side * (plane_left - axis.y());
-  g.axis_to_shoulder_down = axis.z() - left.z();
+  if (std::abs(g.base_distance()) < kAligned) g.a.shoulder_x = g.b.shoulder_x = 0;  // on one axis
+  if (g.has_tilt) {
+    // A rotation about +x carries a hanging leg towards +y.
+    g.tilt_sign = g.side * frames.axis_sign(tilt, Vector3::UnitX(), "x");
+    g.tilt_limits = frames.limits(tilt);
+    const Vector3 axis = frames.pose(tilt).translation();
+    g.axis_to_plane_out = g.side * (plane_left - axis.y());
+    g.axis_to_shoulder_down = axis.z() - left.z();
+  }
   validate(g, fmt::format("{}: leg {}", robot.source, name(leg)));
   return g;
 }

@@ -7,8 +7,11 @@
 
 namespace crossgait {
 
-/// Describes a five-bar leg on a tilt joint. Chain a is shoulder_left (the rear one), chain b shoulder_right.
+/// Describes a five-bar leg on a tilt joint, or on the base: then its plane is y = 0 of the leg frame, and
+/// nothing but p_BL and `side` is used of the mount. Chain a is shoulder_left (the rear one), chain b
+/// shoulder_right; both shoulders may have one axis.
 struct FiveBarGeometry : TiltMount {
+  bool has_tilt = true;
   TwoLinkChain a, b;
 
   /// Returns the distance of the two shoulder axes, m.
@@ -16,10 +19,9 @@ struct FiveBarGeometry : TiltMount {
 };
 
 /// Derives the geometry of one leg from the joint frames of `robot`.
-/// @throws ConfigError naming the joint if the leg is not a five-bar on a tilt joint: the tilt axis along x
-/// of the
-///   base; shoulder and elbow axes along y at zero tilt; both shoulders at one height, shoulder_left behind
-///   shoulder_right; the lower links joined by a loop closure at the foot's centre.
+/// @throws ConfigError naming the joint if the leg is not a five-bar: the tilt axis, if any, along x of the
+///   base; shoulder and elbow axes along y at zero tilt; both shoulders at one height, shoulder_left not
+///   ahead of shoulder_right; the lower links joined by a loop closure at the foot's centre.
 FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg);
 
 /// Returns `five_bar_geometry` of all legs.

@@ -14,7 +14,7 @@ std::string_view name(LegKind kind) noexcept {
 }
 
 LegKinematics::LegKinematics(const FiveBarGeometry& geometry, const LegModel& model, LegBranch home)
-    : leg_(geometry), home_(home), servo_count_(3), passive_count_(2) {
+    : leg_(geometry), home_(home), servo_count_(geometry.has_tilt ? 3 : 2), passive_count_(2) {
   const std::vector<int> joints = model.joints();
   std::copy_n(joints.begin(), std::min(joints.size(), joints_.size()), joints_.begin());
 }
@@ -27,10 +27,26 @@ LegKinematics::LegKinematics(const Kind& kind, const SerialLegJoints& joints, Le
   std::copy_n(chain.joints.begin(), chain.count, joints_.begin());
 }
 
+namespace {
+
+LegBranch five_bar_branch(const RobotDescription& robot, const LegModel& model,
+                          const FiveBarGeometry& geometry) {
+  if (robot.home.size() != robot.joint_count()) return {};
+  const auto angle = [&](const char* role) { return robot.home[model.joint(role)]; };
+  return {.mode = working_mode_of(geometry,
+                                  {geometry.has_tilt ? angle("tilt") : 0, angle("shoulder_left"),
+                                   angle("shoulder_right"), angle("elbow_left"), angle("elbow_right")})};
+}
+
+}  // namespace
+
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg) {
   if (!robot.legs) throw ConfigError(robot.source, "legs", "a robot with four legs", "none");
   const LegModel& model = (*robot.legs)[leg];
-  if (model.linkage == LegLinkage::kFiveBar) return {five_bar_geometry(robot, leg), model};
+  if (model.linkage == LegLinkage::kFiveBar) {
+    const FiveBarGeometry geometry = five_bar_geometry(robot, leg);
+    return {geometry, model, five_bar_branch(robot, model, geometry)};
+  }
   return make_leg_kinematics(robot, leg, serial_leg_joints(model));
 }
 

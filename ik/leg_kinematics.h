@@ -17,8 +17,8 @@ enum class LegKind { kFiveBar, kSerial, kLeastSquares };
 /// Names a kind of leg: "five_bar", "serial", "least_squares".
 std::string_view name(LegKind kind) noexcept;
 
-/// Angles of the driven joints, in the order tilt, shoulder_left, shoulder_right or abduction (if any), hip,
-/// knee (hip, abduction, knee where the hip comes first), and of the passive ones, elbow_left and
+/// Angles of the driven joints, in the order tilt (if any), shoulder_left, shoulder_right or abduction (if
+/// any), hip, knee (hip, abduction, knee where the hip comes first), and of the passive ones, elbow_left and
 /// elbow_right, the knee and ankle that follow, or none; rad. Inline storage.
 using ServoVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
 using PassiveVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1>;
@@ -100,6 +100,15 @@ class LegKinematics {
 
   LegKinematics(const Kind& kind, const SerialLegJoints& joints, LegBranch home);
 
+  // Of a five-bar, likewise.
+  ServoAngles five_bar_servos(const ServoVector& servos) const noexcept {
+    return servo_count_ == 3 ? ServoAngles{servos[0], servos[1], servos[2]}
+                             : ServoAngles{0, servos[0], servos[1]};
+  }
+  LegAngles five_bar_angles(const LegPosture& posture) const noexcept {
+    const ServoAngles servos = five_bar_servos(posture.servos);
+    return {servos.tilt, servos.shoulder_left, servos.shoulder_right, posture.passive[0], posture.passive[1]};
+  }
   // Of a serial leg: without an abduction joint its angle is zero and has no place in ServoVector.
   SerialAngles serial_angles(const ServoVector& servos) const noexcept {
     return servo_count_ == 3 ? SerialAngles{servos[0], servos[1], servos[2]}
@@ -156,7 +165,11 @@ inline LegInverse LegKinematics::inverse(const Vector3& target, LegBranch branch
     case LegKind::kFiveBar: {
       const auto [status, q] = solve_leg(*as<FiveBarGeometry>(), target, branch.mode);
       result.status = status;
-      servos << q.tilt, q.shoulder_left, q.shoulder_right;
+      if (servo_count_ == 3) {
+        servos << q.tilt, q.shoulder_left, q.shoulder_right;
+      } else {
+        servos << q.shoulder_left, q.shoulder_right;
+      }
       result.posture.passive << q.elbow_left, q.elbow_right;
       break;
     }
@@ -186,7 +199,8 @@ inline LegForward LegKinematics::forward(const ServoVector& servos, LegBranch br
   result.passive.resize(passive_count_);
   switch (kind()) {
     case LegKind::kFiveBar: {
-      const LegPosition p = forward_leg(*as<FiveBarGeometry>(), servos[0], servos[1], servos[2], branch.mode);
+      const auto [tilt, left, right] = five_bar_servos(servos);
+      const LegPosition p = forward_leg(*as<FiveBarGeometry>(), tilt, left, right, branch.mode);
       result.closed = p.closed;
       result.foot = p.foot;
       result.passive << p.elbow_left, p.elbow_right;
@@ -207,7 +221,7 @@ inline LegJacobian LegKinematics::jacobian(const LegPosture& posture) const noex
   const ServoVector& q = posture.servos;
   switch (kind()) {
     case LegKind::kFiveBar:
-      return leg_jacobian(*as<FiveBarGeometry>(), {q[0], q[1], q[2], posture.passive[0], posture.passive[1]});
+      return leg_jacobian(*as<FiveBarGeometry>(), five_bar_angles(posture)).rightCols(servo_count_);
     case LegKind::kSerial:
       return serial_jacobian(*as<SerialLegGeometry>(), serial_angles(q)).rightCols(servo_count_);
     default:
@@ -219,7 +233,7 @@ inline LegMargins LegKinematics::margins(const LegPosture& posture) const noexce
   const ServoVector& q = posture.servos;
   switch (kind()) {
     case LegKind::kFiveBar:
-      return leg_margins(*as<FiveBarGeometry>(), {q[0], q[1], q[2], posture.passive[0], posture.passive[1]});
+      return leg_margins(*as<FiveBarGeometry>(), five_bar_angles(posture));
     case LegKind::kSerial:
       return serial_margins(*as<SerialLegGeometry>(), serial_angles(q));
     default:

@@ -9,8 +9,7 @@
 namespace crossgait {
 namespace {
 
-constexpr double kOffPlane = 1e-9;  // m, see solve_serial
-constexpr double kAtHip = 1e-12;    // m, what rounding makes of a target on the hip axis
+constexpr double kAtHip = 1e-12;  // m, what rounding makes of a target on the hip axis
 
 /// A standing posture's depth, for requests that make no sense.
 double neutral_depth(const TwoLinkChain& chain) {

@@ -62,6 +62,9 @@ inline Vector3 tilt_column(const TiltMount& g, double depth, double c, double s)
   return g.tilt_sign * Vector3(0, g.side * (D * c - a * s), D * s + a * c);
 }
 
+/// How far a target may be from the plane of a leg that cannot turn aside, m: rounding.
+inline constexpr double kOffPlane = 1e-9;
+
 /// Coordinates are clamped to this before they are squared, m: no leg reaches so far, and no square
 /// overflows.
 inline constexpr double kFar = 1e3;

@@ -91,7 +91,10 @@ double WorkspaceMap::reachable_fraction() const {
 TargetBox reach_bounds(const LegKinematics& leg) {
   if (const auto* g = leg.as<FiveBarGeometry>()) {
     const double reach_a = largest_reach(g->a), reach_b = largest_reach(g->b);
-    return around(*g, {g->b.shoulder_x - reach_b, g->a.shoulder_x + reach_a}, std::min(reach_a, reach_b));
+    const std::array<double, 2> x{g->b.shoulder_x - reach_b, g->a.shoulder_x + reach_a};
+    const double reach = std::min(reach_a, reach_b);
+    if (!g->has_tilt) return {{x[0], 0, -reach}, {x[1], 0, 0}};
+    return around(*g, x, reach);
   }
   if (const auto* g = leg.as<SerialLegGeometry>()) {
     const double reach = largest_reach(g->chain);

@@ -39,7 +39,7 @@ Vector3 elbow_drag_force(const FiveBarGeometry& g, const Vector3& foot, WorkingM
                          const Vector3& velocity, const JointDrag& elbow) noexcept {
   // Depth in the leg's plane and its gradient along y and down: D^2 = Y^2 + Z^2 - a^2 (ik/tilt_mount.h).
   const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down;
-  const double Y = g.side * foot.y() + a, Z = b - foot.z();
+  const double Y = g.side * (g.has_tilt ? foot.y() : 0) + a, Z = b - foot.z();
   const double D = std::sqrt(std::max(Y * Y + Z * Z - a * a, 1e-8));
   const double D_y = g.side * Y / D, D_down = Z / D;
   const Vector2 in_plane(foot.x(), D - b);

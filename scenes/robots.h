@@ -18,6 +18,10 @@ RobotPtr long_quadruped();
 /// Loads models/robots/serial_quadruped.
 RobotPtr serial_quadruped();
 
+/// Makes a quadruped on five-bars without tilts, which swing in one plane each: links of 0.1 and 0.2 m,
+/// shoulders `apart` (m) from each other along x, 0: on one axis. It stands 0.22 m high.
+RobotPtr planar_five_bars(double apart);
+
 /// Returns a solid box's mass properties about its own centre, which lies at `p_BC`.
 SpatialInertia solid_box(double mass, const Vector3& half_extents, const Vector3& p_BC = Vector3::Zero());
 

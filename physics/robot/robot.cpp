@@ -14,6 +14,10 @@ constexpr std::array<LegRole, 5> kFiveBarRoles{{{"tilt", -1, true},
                                                 {"shoulder_right", 0, true},
                                                 {"elbow_left", 1, false},
                                                 {"elbow_right", 2, false}}};
+constexpr std::array<LegRole, 4> kPlanarFiveBarRoles{{{"shoulder_left", -1, true},
+                                                      {"shoulder_right", -1, true},
+                                                      {"elbow_left", 0, false},
+                                                      {"elbow_right", 1, false}}};
 // The ankle is there where a leg has one that follows.
 constexpr std::array<LegRole, 4> kSerialRoles{
     {{"abduction", -1, true}, {"hip", 0, true}, {"knee", 1, true}, {"ankle", 2, false}}};
@@ -43,6 +47,7 @@ bool JointCoupling::is_linear() const noexcept {
 }
 
 std::span<const LegRole> LegModel::roles() const noexcept {
+  if (linkage == LegLinkage::kFiveBar && servos.size() == 2) return kPlanarFiveBarRoles;
   if (linkage == LegLinkage::kFiveBar) return kFiveBarRoles;
   if (linkage == LegLinkage::kKneeFollows)
     return std::span(kKneeFollowsRoles).first(passive.size() > 1 ? 4 : 3);

@@ -132,9 +132,10 @@ struct JointCoupling {
 
 /// Says how the joints of a leg are arranged.
 enum class LegLinkage {
-  kFiveBar,      ///< two chains of shoulder and elbow on a tilt joint, joined at the foot by a loop
-  kSerial,       ///< hip and knee, on an abduction joint or on the base
-  kHipFirst,     ///< hip, abduction, knee: the abduction turns with the hip
+  kFiveBar,   ///< two chains of shoulder and elbow, on a tilt joint or on the base, joined at the foot by a
+              ///< loop
+  kSerial,    ///< hip and knee, on an abduction joint or on the base
+  kHipFirst,  ///< hip, abduction, knee: the abduction turns with the hip
   kKneeFollows,  ///< abduction and hip, and a knee that is coupled to one of them
 };
 
@@ -148,11 +149,11 @@ struct LegRole {
 /// Describes one leg: its joints (indices into joint vectors) in the order of its roles, and its foot.
 struct LegModel {
   LegLinkage linkage = LegLinkage::kFiveBar;
-  std::vector<int> servos;         ///< tilt, shoulder_left, shoulder_right; or abduction (if any), hip, knee;
-                                   ///< or hip, abduction, knee; or abduction, hip
-  std::vector<int> passive;        ///< elbow_left, elbow_right; or the knee that follows, and the ankle that
-                                   ///< does, of which a leg has both, one or none
-  int foot_body = -1;              ///< index of the body that carries the foot
+  std::vector<int> servos;   ///< tilt (if any), shoulder_left, shoulder_right; or abduction (if any), hip,
+                             ///< knee; or hip, abduction, knee; or abduction, hip
+  std::vector<int> passive;  ///< elbow_left, elbow_right; or the knee that follows, and the ankle that
+                             ///< does, of which a leg has both, one or none
+  int foot_body = -1;        ///< index of the body that carries the foot
   Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
   double foot_radius = 0;          ///< m
 

@@ -68,6 +68,8 @@ class RobotBuilder {
   // robot_feet.cpp
   void read_feet();
   void infer_foot(Leg leg);
+  /// Finds a five-bar's where its lower links are joined. @throws ConfigError if they are not
+  void infer_five_bar_foot(Leg leg);
   /// Finds a foot by a wheel, collision shapes, visual ones or links, whichever there is first. @throws
   /// ConfigError if none
   FootPlace find_foot_on(int body_index);

@@ -19,7 +19,7 @@ void RobotBuilder::read_feet() {
     } else if ((*robot_.legs)[leg].linkage != LegLinkage::kFiveBar) {
       infer_foot(leg);
     } else {
-      static_cast<void>(legs->at(name(leg)).at("foot"));  // throws
+      infer_five_bar_foot(leg);
     }
   }
   for (const auto& [what, bodies] : assumed_feet_) {
@@ -45,6 +45,38 @@ void RobotBuilder::infer_foot(Leg leg) {
                     p.y(), p.z(), parsed_.bodies[static_cast<std::size_t>(in_file)].name),
         foot.reason);
   put_foot(leg, last, foot.p_BF, foot.radius);
+}
+
+void RobotBuilder::infer_five_bar_foot(Leg leg) {
+  constexpr double kThere = 1e-6;      // m, from where the lower links are joined
+  constexpr double kSmallFoot = 0.05;  // of the lower link: radius of a foot of which nothing is said
+  const LegModel& model = (*robot_.legs)[leg];
+  const int left = model.joint("elbow_left") + 1, right = model.joint("elbow_right") + 1;
+  const auto joined = std::find_if(robot_.loops.begin(), robot_.loops.end(), [&](const LoopClosure& loop) {
+    return (loop.body_a == left && loop.body_b == right) || (loop.body_a == right && loop.body_b == left);
+  });
+  if (joined == robot_.loops.end())
+    throw ConfigError(
+        robot_.source, fmt::format("legs.{}", name(leg)),
+        fmt::format("a loop that joins '{}' and '{}'", robot_.bodies[static_cast<std::size_t>(left)].name,
+                    robot_.bodies[static_cast<std::size_t>(right)].name),
+        "none");
+  const auto tip_on = [&](int body) { return joined->body_a == body ? joined->p_AP : joined->p_BP; };
+  for (const int body : {left, right}) {
+    for (const CollisionShape& shape : robot_.bodies[static_cast<std::size_t>(body)].shapes) {
+      if (shape.type != ShapeType::kSphere || (shape.X_BG.translation() - tip_on(body)).norm() > kThere)
+        continue;
+      infer(fmt::format("legs.{}.foot", name(leg)),
+            fmt::format("sphere of radius {:.4g} m of '{}'", shape.size[0],
+                        robot_.bodies[static_cast<std::size_t>(body)].name),
+            "its centre is where the lower links are joined");
+      return put_foot(leg, body, tip_on(body), shape.size[0]);
+    }
+  }
+  const double radius = kSmallFoot * tip_on(left).norm();
+  assumed_feet_[fmt::format("{:.3g} m, where the lower links are joined", radius)].push_back(
+      robot_.bodies[static_cast<std::size_t>(left)].name);
+  put_foot(leg, left, tip_on(left), radius);
 }
 
 FootPlace RobotBuilder::find_foot_on(int body_index) {

@@ -57,15 +57,20 @@ void RobotBuilder::read_heights_and_home() {
 }
 
 void RobotBuilder::infer_home(bool has_height) {
-  for (const LegModel& leg : *robot_.legs) {
-    if (leg.linkage == LegLinkage::kFiveBar) static_cast<void>(yaml_->at("home"));  // throws
-  }
+  const auto is_five_bar = [this](Leg leg) { return (*robot_.legs)[leg].linkage == LegLinkage::kFiveBar; };
+  const auto five_bars = std::count_if(kLegs.begin(), kLegs.end(), is_five_bar);
+  if (five_bars != 0 && five_bars != kLegCount) static_cast<void>(yaml_->at("home"));  // throws
   double length = 0;
-  for (const Leg leg : kLegs) length += leg_lengths(robot_, leg).sum() / kLegCount;
+  for (const Leg leg : kLegs)
+    length += (five_bars > 0 ? five_bar_length(robot_, leg) : leg_lengths(robot_, leg).sum()) / kLegCount;
   if (!has_height) robot_.standing_height = kStandingShare * length;
-  const HomePose home = find_home(robot_, robot_.standing_height, report_.inferred);
-  robot_.home = home.q;
-  robot_.stance_offset = home.forward;
+  if (five_bars > 0) {
+    robot_.home = find_five_bar_home(robot_, robot_.standing_height, report_.inferred);
+  } else {
+    const HomePose home = find_home(robot_, robot_.standing_height, report_.inferred);
+    robot_.home = home.q;
+    robot_.stance_offset = home.forward;
+  }
   infer("gait_scale",
         fmt::format("h = {:.4g} m, sqrt(h/g) = {:.3g} s", robot_.standing_height,
                     std::sqrt(robot_.standing_height / kGravity)),
@@ -111,7 +116,9 @@ void RobotBuilder::read_home(const YamlValue& home) {
     const LegModel& model = (*robot_.legs)[leg];
     const YamlValue values = by_leg ? home.at(name(leg)) : home;
     if (model.linkage == LegLinkage::kFiveBar) {
-      values.allow_keys({"tilt", "shoulder_left", "shoulder_right", "elbow_left", "elbow_right"});
+      std::vector<std::string_view> roles;
+      for (const LegRole& role : model.roles()) roles.push_back(role.name);
+      values.allow_keys(roles);
     } else {
       values.allow_keys({"abduction", "hip", "knee", "ankle"});
     }

@@ -129,7 +129,7 @@ void RobotBuilder::read_legs(const YamlValue& legs) {
     LegModel& model = models[leg];
     if (values.find("tilt") || !(values.find("hip") || values.find("knee"))) {
       values.allow_keys({"tilt", "shoulder_left", "shoulder_right", "elbow_left", "elbow_right", "foot"});
-      model.servos.resize(3, -1);
+      model.servos.resize(values.find("tilt") ? 3 : 2, -1);
       model.passive.resize(2, -1);
     } else {
       values.allow_keys({"abduction", "hip", "knee", "ankle", "foot"});

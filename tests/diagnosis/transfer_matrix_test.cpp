@@ -27,7 +27,9 @@ const MatrixEntry& entry(const TransferMatrix& matrix, const std::string& home, 
 }
 
 /// Half of Student's 95 % interval of the mean of two numbers: t of one degree of freedom, 12.7062.
-double half_of_two(double a, double b) { return 12.706204736 * std::abs(a - b) / std::sqrt(2) / std::sqrt(2); }
+double half_of_two(double a, double b) {
+  return 12.706204736 * std::abs(a - b) / std::sqrt(2) / std::sqrt(2);
+}
 
 TEST(TransferMatrix, IntervalsOfOnePolicyAreOverItsStarts) {
   const std::vector<PolicyCell> cells{cell("p", "a", "a", {0.2, 0.4}), cell("p", "a", "b", {0.5, 0.9})};
@@ -43,7 +45,8 @@ TEST(TransferMatrix, IntervalsOfOnePolicyAreOverItsStarts) {
   EXPECT_DOUBLE_EQ(away.loss->estimate, 0.4);  // start by start: 0.3 and 0.5
   EXPECT_NEAR(away.loss->half_width(), half_of_two(0.3, 0.5), 1e-6);
   EXPECT_EQ(matrix.summary,
-            "The policy trained in a scores 0.30 (-0.97 to 1.57) at home and loses 0.40 (-0.87 to 1.67) elsewhere.");
+            "The policy trained in a scores 0.30 (-0.97 to 1.57) at home and loses 0.40 (-0.87 to 1.67) "
+            "elsewhere.");
 }
 
 TEST(TransferMatrix, IntervalsOfSeveralPoliciesAreOverThem) {

@@ -22,9 +22,11 @@ std::optional<Wheel> wheel_of(const ParsedRobot& robot, int index);
 /// Names joints of a leg by the bodies that they move.
 struct LegJoints {
   LegLinkage linkage = LegLinkage::kSerial;
-  std::vector<int> servos;     ///< along the chain: abduction (if any), hip, knee; or hip, abduction, knee
-  std::vector<int> followers;  ///< a knee that follows, and the joint behind the knee that does
-  std::vector<int> held;       ///< the others: wheels, ankles, a second joint of the hip
+  std::vector<int> servos;  ///< along the chain: abduction (if any), hip, knee; or hip, abduction, knee; or
+                            ///< tilt (if any) and both shoulders
+  std::vector<int>
+      followers;          ///< a knee that follows, and the joint behind the knee that does; or both elbows
+  std::vector<int> held;  ///< the others: wheels, ankles, a second joint of the hip
 
   int knee() const { return linkage == LegLinkage::kKneeFollows ? followers.front() : servos.back(); }
 };

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/robot_files/inference/five_bar_legs.h"
 #include "physics/robot_files/inference/leg_frame.h"
 #include "physics/robot_files/inference/leg_roles.h"
 #include "physics/robot_files/inference/leg_tree.h"
@@ -73,6 +74,7 @@ class LegFinder {
       : tree_(tree), source_(source), branches_(tree.branches()), ends_(tree.ends()) {}
 
   FoundLegs find() const {
+    if (const auto legs = five_bars_of(tree_)) return *legs;
     refuse_eight_chains();
     const AreAlike by_directions = [this](const JointChain& a, const JointChain& b) {
       return have_one_shape(a, b) && point_alike(a, b);
@@ -137,8 +139,8 @@ class LegFinder {
         branches_, [](const JointChain& b) { return b.bodies.size() == 2 && b.tips == 1; });
     if (pairs != 2 * kLegCount) return;
     throw ConfigError(source_, "legs",
-                      "in a robot.yaml beside it `legs` (tilt, shoulder_left, shoulder_right, elbow_left, "
-                      "elbow_right, foot) and `loops` (models/README.md)",
+                      "in a robot.yaml beside it `legs` ((tilt,) shoulder_left, shoulder_right, elbow_left, "
+                      "elbow_right) and `loops` (models/README.md)",
                       "eight chains of two joints, of which no one can tell how they make four legs");
   }
 
@@ -195,6 +197,17 @@ std::string names_and_angles(const std::map<std::string, double>& joints) {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
+const char* why_a_leg(LegLinkage linkage) {
+  if (linkage == LegLinkage::kFiveBar)
+    return "two chains that a loop of the file joins, by the quadrant of their shoulders; left is the one "
+           "behind";
+  if (linkage == LegLinkage::kHipFirst)
+    return "one of four alike branches of the base, by the quadrant of its hip; the joint between hip and "
+           "knee "
+           "turns it aside";
+  return "one of four alike branches of the base, by the quadrant of its hip";
+}
+
 void warn_of_held(const LegSearch& search, std::vector<std::string>& warnings) {
   std::map<std::string, double> wheels, ankles;
   double radius = 0;
@@ -248,7 +261,8 @@ LegSearch find_legs(const ParsedRobot& robot, const std::string& source, const s
   search.R_BA = placed.R_BA;
   std::set<std::string> used;
   for (const Leg leg : kLegs) {
-    const LegJoints& joints = placed.legs[leg]->joints;
+    LegJoints joints = placed.legs[leg]->joints;
+    if (joints.linkage == LegLinkage::kFiveBar) put_left_behind(tree, placed.R_BA, joints);
     FoundChain& chain = search.legs[leg];
     chain.linkage = joints.linkage;
     for (const int body : joints.servos) chain.joints.push_back(tree.joint(body).name);
@@ -260,15 +274,12 @@ LegSearch find_legs(const ParsedRobot& robot, const std::string& source, const s
       used.insert(tree.joint(body).name);
     }
     const int last = placed.legs[leg]->chain.bodies.back();
-    const bool has_role =
-        joints.servos.back() == last || (!joints.followers.empty() && joints.followers.back() == last);
+    const bool has_role = joints.linkage == LegLinkage::kFiveBar || joints.servos.back() == last ||
+                          (!joints.followers.empty() && joints.followers.back() == last);
     const auto wheel = has_role ? std::nullopt : wheel_of(robot, last);
     if (wheel) chain.wheel = {tree.joint(last).name, tree.body(last).name, wheel->centre, wheel->radius};
     inferred.push_back({fmt::format("legs.{}", name(leg)), fmt::format("{}", fmt::join(chain.joints, ", ")),
-                        chain.linkage == LegLinkage::kHipFirst
-                            ? "one of four alike branches of the base, by the quadrant of its hip; the joint "
-                              "between hip and knee turns it aside"
-                            : "one of four alike branches of the base, by the quadrant of its hip"});
+                        why_a_leg(chain.linkage)});
   }
   warn_of_held(search, warnings);
   for (std::size_t i = 1; i < robot.bodies.size(); ++i) {

@@ -28,7 +28,7 @@ struct HeldWheel {
 struct FoundChain {
   LegLinkage linkage = LegLinkage::kSerial;
   std::vector<std::string> joints;     ///< those with a role, servos from the base outwards, then followers
-  std::size_t followers = 0;           ///< how many of them follow: a knee, an ankle
+  std::size_t followers = 0;           ///< how many of them follow: a knee, an ankle; a five-bar's elbows
   std::map<std::string, double> held;  ///< the others, and at which angle, rad
   std::optional<HeldWheel> wheel;
 };
@@ -94,6 +94,13 @@ struct HomePose {
   double forward = 0;  ///< of the feet, from below the hips, m
 };
 HomePose find_home(const RobotDescription& robot, double height, std::vector<Inference>& inferred);
+
+/// Returns the mean length of upper and lower links over a five-bar's chains, m. Requires its loop.
+double five_bar_length(const RobotDescription& robot, Leg leg);
+/// Puts the feet of five-bars at depth `height` (m) below the middle of their shoulders, elbows outward and
+/// tilts at zero. @throws ConfigError where a link is too short or a limit forbids it
+JointVector find_five_bar_home(const RobotDescription& robot, double height,
+                               std::vector<Inference>& inferred);
 
 /// Says why serial legs cannot stand at these angles: beyond limits, feet not below their hips by a third of
 /// the leg or more, or not at one depth to a third of it. Empty if they can.

@@ -267,6 +267,24 @@ const BadInput kBadUrdfs[] = {
 const auto kLoaderCase = [](const auto& info) { return info.param.name; };
 INSTANTIATE_TEST_SUITE_P(RobotLoader, BadUrdf, ::testing::ValuesIn(kBadUrdfs), kLoaderCase);
 
+TEST(RobotLoader, FindsTheFootOfAFiveBarWhereItsLowerLinksAreJoined) {
+  const RobotDescription stated = load_robot(kRobotFolder + "robot.yaml");
+  const ScratchRobot scratch;
+  for (const char* foot : {"FL", "FR", "RL", "RR"})
+    scratch.replace("robot.yaml", std::string(", foot: ") + foot + "_foot}", "}");
+  const LoadedRobot found = load_robot_with_report(scratch.path("robot.yaml"));
+  for (const Leg leg : kLegs) {
+    const LegModel &a = (*stated.legs)[leg], &b = (*found.robot.legs)[leg];
+    EXPECT_EQ(b.foot_body, a.foot_body);
+    EXPECT_EQ(b.p_BF, a.p_BF);
+    EXPECT_EQ(b.foot_radius, a.foot_radius);
+  }
+  scratch.replace("robot.yaml", "link_b: FL_lower_right", "link_b: FL_upper_right");
+  EXPECT_NE(std::string(config_error([&] { load_robot(scratch.path("robot.yaml")); }).what())
+                .find("legs.FL: expected a loop"),
+            std::string::npos);
+}
+
 class BadRobotYaml : public ::testing::TestWithParam<BadInput> {};
 TEST_P(BadRobotYaml, IsRejectedByName) { expect_error("robot.yaml", GetParam()); }
 
@@ -283,7 +301,6 @@ const BadInput kBadYamls[] = {
     {"WrongLegName", "  FR: {tilt", "  FO: {tilt", "legs.FO", "one of the keys FL, FR, RL, RR",
      "unknown key 'FO'"},
     {"TwiceTheSameLeg", "  FR: {tilt", "  FL: {tilt", "legs.FL", "each key once", "duplicate"},
-    {"MissingFoot", ", foot: FL_foot}", "}", "legs.FL", "key 'foot'", "none"},
     {"FootIsNoLink", "foot: FL_foot", "foot: FL_hoof", "legs.FL.foot", "a link of the robot's file",
      "'FL_hoof'"},
     {"FootWithoutSphere", "foot: FL_foot", "foot: FL_lower_left", "legs.FL.foot", "one collision sphere",

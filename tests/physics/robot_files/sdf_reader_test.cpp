@@ -156,6 +156,66 @@ TEST(SdfReader, ClosesLoopsWhereALinkHangsOnTwo) {
       << loaded.report.warnings.front();
 }
 
+/// The five-bar quadruped of the bundle as an SDF without a robot.yaml.
+LoadedRobot five_bars_of_sdf(const ScratchRobot& scratch, bool with_tilts, const std::string& loops) {
+  const RobotDescription robot = load_robot(kRobotFolder + "robot.yaml");
+  ParsedRobot urdf = read_urdf(kRobotFolder + "robot.urdf");
+  std::map<std::string, double> home, tilts;
+  for (int i = 0; i < robot.joint_count(); ++i) home[robot.joint(i).name] = robot.home[i];
+  for (const LegModel& leg : *robot.legs) tilts[robot.joint(leg.joint("tilt")).name] = 0;
+  if (!with_tilts) urdf = lock_joints(std::move(urdf), tilts);
+  std::filesystem::remove(scratch.path("robot.yaml"));
+  scratch.write("robot.sdf", SdfOf(urdf, SdfStyle::kInModel, home).text(loops));
+  return load_robot_with_report(scratch.path("robot.sdf"));
+}
+
+std::string tips(const char* first = "left", const char* second = "right") {
+  std::string loops;
+  for (const Leg leg : kLegs)
+    loops += fmt::format(
+        "<joint name=\"{0}_tip\" type=\"ball\"><pose>0 0 -.06 0 0 0</pose><parent>{0}_lower_{1}</parent>"
+        "<child>{0}_lower_{2}</child></joint>",
+        name(leg), first, second);
+  return loops;
+}
+
+TEST(SdfReader, FiveBarsAreFoundByTheirLoops) {
+  const RobotDescription robot = load_robot(kRobotFolder + "robot.yaml");
+  for (const bool with_tilts : {true, false}) {
+    for (const bool swapped : {true, false}) {
+      SCOPED_TRACE(fmt::format("{} {}", with_tilts, swapped));
+      const ScratchRobot scratch;
+      const std::string loops = swapped ? tips("right", "left") : tips();
+      const LoadedRobot loaded = five_bars_of_sdf(scratch, with_tilts, loops);
+      for (const Leg leg : kLegs) {
+        const LegModel &found = (*loaded.robot.legs)[leg], &own = (*robot.legs)[leg];
+        EXPECT_EQ(found.linkage, LegLinkage::kFiveBar);
+        EXPECT_EQ(found.servos.size(), with_tilts ? 3U : 2U);
+        for (const LegRole& role : found.roles()) {
+          const std::string& joint = loaded.robot.joint(found.joint(role.name)).name;
+          EXPECT_EQ(joint, robot.joint(own.joint(role.name)).name) << role.name;
+          EXPECT_EQ(loaded.robot.joint(found.joint(role.name)).actuated, role.actuated) << role.name;
+        }
+        EXPECT_NEAR(found.foot_radius, own.foot_radius, 1e-12);
+      }
+      // It stands at a share of its legs, loops closed.
+      EXPECT_GT(loaded.robot.standing_height, 0.05);
+      const std::string yaml = to_yaml(loaded, scratch.path("robot.sdf"));
+      scratch.write("again.yaml", yaml);
+      const LoadedRobot again = load_robot_with_report(scratch.path("again.yaml"));
+      EXPECT_EQ(again.robot.actuated_joints(), loaded.robot.actuated_joints());
+      EXPECT_LT((again.robot.home - loaded.robot.home).cwiseAbs().maxCoeff(), 1e-9);
+    }
+  }
+}
+
+TEST(SdfReader, LoopsThatMakeNoFiveBarsLeaveEightChains) {
+  const ScratchRobot scratch;
+  EXPECT_NE(std::string(config_error([&] { five_bars_of_sdf(scratch, false, ""); }).what())
+                .find("found eight chains of two joints, of which no one can tell how they make four legs"),
+            std::string::npos);
+}
+
 TEST(SdfReader, TakesABallJointForTheLoopWhereverItStands) {
   const std::string crank =
       "<link "
