@@ -12,7 +12,9 @@ function(crossgait_engine name)
   target_compile_options(${target} PRIVATE -ffp-contract=off)
   # A symbol that two plug-ins or a plug-in and the program both had might be taken from the wrong one, inline functions
   # and templates of the standard library included: nothing but the one function leaves. What is missing fails to link.
-  target_link_options(${target} PRIVATE LINKER:--version-script=${exports} LINKER:-z,defs LINKER:--as-needed)
+  # Clang's sanitizers are in the program that loads it.
+  target_link_options(${target} PRIVATE LINKER:--version-script=${exports} LINKER:--as-needed
+                                        $<$<NOT:$<BOOL:${CROSSGAIT_COVERAGE_FUZZ}>>:LINKER:-z,defs>)
   set_target_properties(${target} PROPERTIES
     PREFIX lib SUFFIX .so LINK_DEPENDS ${exports} CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
     # an engine's library outside the system's folders is found after installation as well

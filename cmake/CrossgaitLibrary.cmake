@@ -27,10 +27,18 @@ if(CROSSGAIT_SANITIZE)
   target_compile_options(crossgait_options INTERFACE -fsanitize=${CROSSGAIT_SANITIZE} -fno-omit-frame-pointer
                                                      -fno-sanitize-recover=all
                                                      # g++ warns falsely in instrumented standard headers
-                                                     -Wno-maybe-uninitialized)
+                                                     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(crossgait_options INTERFACE -fsanitize=${CROSSGAIT_SANITIZE})
   # Under a sanitizer Eigen would align memory by hand, and libraries that were built without one (DART) could not free it.
   target_compile_definitions(crossgait_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+endif()
+
+if(CROSSGAIT_COVERAGE_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    message(FATAL_ERROR "CROSSGAIT_COVERAGE_FUZZ takes clang: cmake --preset fuzz")
+  endif()
+  target_compile_options(crossgait_options INTERFACE -fsanitize=fuzzer-no-link -fprofile-instr-generate -fcoverage-mapping)
+  target_link_options(crossgait_options INTERFACE -fprofile-instr-generate)
 endif()
 
 function(crossgait_library name)

@@ -169,7 +169,8 @@ void RunIndex::scan() {
       }
       break;
     }
-    filled = rest.copy(buffer.data(), rest.size());
+    // The two may overlap.
+    filled = static_cast<std::size_t>(std::copy(rest.begin(), rest.end(), buffer.begin()) - buffer.begin());
   }
   next_ = lacks_line_end_ ? bytes_ + 1 : covered_;
   merge();

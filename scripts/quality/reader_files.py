@@ -40,6 +40,13 @@ def run(program, arguments):
     return subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout
 
 
+def run_in(folder, command):
+    """Runs a command, which must succeed, where its outputs may lie."""
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise SystemExit(f"{' '.join(command)}: a valid file is refused: {done.stderr}")
+
+
 def safetensors(tensors, metadata):
     """Bytes of a file of {name: (shape, floats)}."""
     header, data = {"__metadata__": metadata}, b""
@@ -67,7 +74,9 @@ def policy(program):
 
 
 def make_valid(program, folder):
-    """Writes one file of every kind into `folder`, the repository's own where it has one."""
+    """Writes one file of every kind into `folder`, the repository's own where it has one, and sees that each is read."""
+    version = json.loads(run(program, ["env", "--describe", "--json", "-"]))["layout_version"]
+
     def models(*parts):
         return os.path.join(ROOT, "models", *parts)
 
@@ -97,9 +106,9 @@ def make_valid(program, folder):
         "</collision></link></model></world></sdf>",
         "env.yaml": run(program, ["env", "--yaml", "--terrain", "rough"])
         + "randomisation: {friction: [.5, 1], mass: [.9, 1.1], terrain_seed: [0, 9]}\n",
-        "scripted.yaml": "kind: scripted\nlayout_version: 2\nsteps:\n"
-        "  - {time: 0, action: {residual.FL.z: .5}}\n  - {time: .01, parameters: {step_height: .06}}\n",
-        "hierarchical.yaml": "kind: hierarchical\nlayout_version: 2\n"
+        "scripted.yaml": f"kind: scripted\nlayout_version: {version}\nsteps:\n"
+        "  - {time: 0, action: {residual.FL.z: .5}}\n  - {time: .01, parameters: {step_height: .05}}\n",
+        "hierarchical.yaml": f"kind: hierarchical\nlayout_version: {version}\n"
         "planner: {policy: zero, observation: [p_WB., param.], dt: .1}\nresidual: {policy: random}\n",
     }
     for name, text in texts.items():
@@ -112,3 +121,5 @@ def make_valid(program, folder):
                   "--json", os.path.join(folder, "verdict.json")])
     runs = os.path.join(folder, "runs.jsonl")
     run(program, [word if word != "{}" else runs for word in COMMANDS["runs.jsonl"]])
+    for kind in COMMANDS:
+        run_in(folder, command_of(program, kind, os.path.join(folder, kind)))

@@ -141,8 +141,9 @@ class SdfTreeBuilder {
     if (const SdfElement* inertia = inertial->find("inertia")) {
       const auto moment = [&](const char* name) { return sdf_numbers(sdf_needed(*inertia, name), 1)[0]; };
       const auto product = [&](const char* name) { return sdf_number(*inertia, name, 0); };
+      const double xx = moment("ixx"), yy = moment("iyy"), zz = moment("izz");
       const double xy = product("ixy"), xz = product("ixz"), yz = product("iyz");
-      I << moment("ixx"), xy, xz, xy, moment("iyy"), yz, xz, yz, moment("izz");
+      I << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     } else {
       usual("1 kg m^2", "inertia");
     }
