@@ -33,7 +33,15 @@ TEST_P(StepAllocation, NoneForShapesOfEveryKind) {
 TEST_P(StepAllocation, NoneForManyContacts) { EXPECT_EQ(allocations_of_a_crowd_of_contacts(engine()), 0U); }
 
 TEST_P(StepAllocation, NoneForJointFriction) {
-  EXPECT_EQ(allocations_of_a_trot(engine(), make_terrain("rough", 2), 0.02), 0U);
+  const scenes::RobotPtr robot = scenes::with_joint_friction(scenes::quadruped(), 0.02);
+  EXPECT_EQ(allocations_of_a_trot(engine(), make_terrain("rough", 2), robot), 0U);
+}
+
+TEST_P(StepAllocation, NoneForImplicitServos) {
+  const Engine used = engine();
+  if (used.info.laws.implicit_servos.empty()) GTEST_SKIP() << "no Laws::implicit_servos";
+  const scenes::RobotPtr robot = scenes::with_implicit_servos(scenes::quadruped());
+  EXPECT_EQ(allocations_of_a_trot(used, make_terrain("rough", 2), robot), 0U);
 }
 
 TEST_P(StepAllocation, NoneForPushesAndRefusedTargets) {

@@ -1,5 +1,5 @@
-// libFuzzer's way in: CROSSGAIT_FUZZ_TARGET names what is fed (targets.h), CROSSGAIT_FUZZ_FOLDER where its file is
-// written, which may hold others that it refers to.
+// libFuzzer's way in: CROSSGAIT_FUZZ_TARGET names what is fed (targets.h), CROSSGAIT_FUZZ_FOLDER where its
+// file is written, which may hold others that it refers to.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>

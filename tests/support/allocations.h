@@ -16,10 +16,9 @@
 
 namespace crossgait {
 
-/// @param joint_friction  N m
 inline std::size_t allocations_of_a_trot(const Engine& engine, const Terrain& terrain,
-                                         double joint_friction = 0) {
-  WorldSpec spec = scenes::world_of(scenes::with_joint_friction(scenes::quadruped(), joint_friction));
+                                         const scenes::RobotPtr& robot = scenes::quadruped()) {
+  WorldSpec spec = scenes::world_of(robot);
   spec.terrain = terrain;
   const auto world = engine.make(spec);
   const scenes::Trot trot(world->robot());
