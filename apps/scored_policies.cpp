@@ -66,7 +66,7 @@ class Homes {
 // A policy that was imported was trained elsewhere; of others the environment says where.
 std::string trained_in(const ScoredPoliciesOptions& options, const Homes& homes, const std::string& policy,
                        const EnvConfig& environment) {
-  if (const std::string said = homes.of(policy); !said.empty()) return said;
+  if (std::string said = homes.of(policy); !said.empty()) return said;
   return is_imported(policy) || !options.env.empty() ? "" : environment.engine;
 }
 
