@@ -151,6 +151,8 @@ mode_t mode_of(int flags, va_list rest) {
 
 }  // namespace
 
+// The C library calls them by names of its own.
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name)
 extern "C" {
 
 int open(const char* path, int flags, ...) {
@@ -210,3 +212,4 @@ void* malloc(std::size_t size) {
   return __libc_malloc(size);
 }
 }
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)
