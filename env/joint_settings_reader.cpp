@@ -2,7 +2,7 @@
 #include <array>
 
 #include "env/env_config_yaml.h"
-#include "physics/core/find_row.h"
+#include "physics/robot_files/servo_law.h"
 
 namespace crossgait::env_yaml {
 namespace {
@@ -44,26 +44,20 @@ void read_commands(const YamlValue& joints, JointActionSettings& settings) {
 void read_law(const YamlValue& servos, const YamlValue& law, ServoSettings& settings) {
   ServoNumbers& stiffness = settings["implicit_stiffness"];
   ServoNumbers& damping = settings["implicit_damping"];
-  for (const char* number : {"implicit_stiffness", "implicit_damping"}) {
-    if (const auto value = servos.find(number)) value->fail("either a law or its numbers", "both");
-  }
-  const auto row = [&](const YamlValue& name) -> const ServoLaw& {
-    return find_row(kServoLaws, name.text(), servos.source(), "servo law");
+  const auto set_all = [&](const YamlValue& name) {
+    const ServoLaw& of = read_servo_law(servos, name);
+    stiffness.all = of.implicit_stiffness;
+    damping.all = of.implicit_damping;
   };
-  if (!law.is_mapping()) {
-    stiffness.all = row(law).implicit_stiffness;
-    damping.all = row(law).implicit_damping;
-    return;
-  }
+  if (!law.is_mapping()) return set_all(law);
   for (const auto& [joint, name] : law.entries()) {
-    const ServoLaw& of = row(name);
     if (joint == kAllServos) {
-      stiffness.all = of.implicit_stiffness;
-      damping.all = of.implicit_damping;
-    } else {
-      stiffness.by_name[joint] = of.implicit_stiffness;
-      damping.by_name[joint] = of.implicit_damping;
+      set_all(name);
+      continue;
     }
+    const ServoLaw& of = read_servo_law(servos, name);
+    stiffness.by_name[joint] = of.implicit_stiffness;
+    damping.by_name[joint] = of.implicit_damping;
   }
 }
 

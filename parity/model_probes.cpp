@@ -39,20 +39,12 @@ double torque_of(PhysicsBackend& world, const RobotState& state, int joint, doub
              : std::numeric_limits<double>::infinity();
 }
 
-/// What an implicit servo's torque falls by per acceleration, kg m^2; 0 of an explicit one.
-double servo_inertia(const PhysicsBackend& world, int joint) {
-  const Joint& of = world.robot().joint(joint);
-  if (!is_implicit(of)) return 0;
-  const auto servo = implicit_servo(of, joint, 2 * of.backlash + 1, 0, 0, world.spec().physics_dt);
-  return servo ? servo->inertia : 0;
-}
-
 /// The same torque as if the joint did not accelerate in the step: what an implicit servo's falls by depends
 /// on all that the joint is part of.
 double torque_at_rest(PhysicsBackend& world, const RobotState& state, int joint, double target) {
   const double torque = torque_of(world, state, joint, target);
-  const double acceleration = (world.state().qd[joint] - state.qd[joint]) / world.spec().physics_dt;
-  return torque + servo_inertia(world, joint) * acceleration;
+  const double h = world.spec().physics_dt, acceleration = (world.state().qd[joint] - state.qd[joint]) / h;
+  return torque + servo_inertia(world.robot().joint(joint), h) * acceleration;
 }
 
 /// Inertia that the joint moves with all else free, kg m^2.
@@ -127,7 +119,8 @@ ServoResponse servo_response(PhysicsBackend& world, int joint) {
   }
   // From this far away a target takes all of the torque; further off, what keeps joints within their limits
   // would throw the robot about.
-  const double give = is_implicit(of) ? servo_inertia(world, joint) / free_inertia(world, joint) : 0;
+  const double give =
+      is_implicit(of) ? servo_inertia(of, world.spec().physics_dt) / free_inertia(world, joint) : 0;
   const double range = std::min(1e3, 2 * (1 + give) * std::max(of.effort_limit, of.effort_negative) / of.kp);
   RobotState outside = rest;
   outside.q[joint] -= range;

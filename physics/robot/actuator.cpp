@@ -27,12 +27,11 @@ std::optional<ImplicitServo> implicit_servo(const Joint& joint, int index, doubl
   const double play = joint.backlash / 2, away = target - measured;
   if (std::abs(away) <= play && play > 0) return std::nullopt;
   const double error = away - std::copysign(play, away);
-  ImplicitServo servo{
-      .joint = index,
-      .torque = joint.kp * (error - joint.implicit_stiffness * h * qd) - joint.kd * qd,
-      .inertia = joint.implicit_stiffness * joint.kp * h * h + joint.implicit_damping * joint.kd * h,
-      .lower = -available(joint, negative_effort(joint), -qd),
-      .upper = available(joint, joint.effort_limit, qd)};
+  ImplicitServo servo{.joint = index,
+                      .torque = joint.kp * (error - joint.implicit_stiffness * h * qd) - joint.kd * qd,
+                      .inertia = servo_inertia(joint, h),
+                      .lower = -available(joint, negative_effort(joint), -qd),
+                      .upper = available(joint, joint.effort_limit, qd)};
   if (play > 0) (away > 0 ? servo.lower : servo.upper) = 0;  // it does not pull back through the play
   if (!(servo.lower < servo.upper)) return std::nullopt;
   return servo;

@@ -28,6 +28,12 @@ inline bool is_implicit(const Joint& joint) noexcept {
   return joint.actuated && joint.implicit_stiffness * joint.kp + joint.implicit_damping * joint.kd > 0;
 }
 
+/// Returns what an implicit servo's torque falls by per acceleration in a step of h s
+/// (ImplicitServo::inertia), kg m^2; 0 of an explicit one.
+inline double servo_inertia(const Joint& joint, double h) noexcept {
+  return joint.implicit_stiffness * joint.kp * h * h + joint.implicit_damping * joint.kd * h;
+}
+
 /// Describes the servo law with shares s of its spring and d of its damper (Joint::implicit_stiffness,
 /// implicit_damping) taken at the end of a step of h s, where the joint turns at v' and its angle is q + h v'
 /// (semi-implicit Euler): with a = (v' - v) / h

@@ -22,9 +22,8 @@ std::optional<ServoLoop> stiffest_servo_loop(const RobotDescription& robot, doub
     const double kd = joint.damping + (joint.actuated ? joint.kd : 0);
     loop[i] = kd * dt + kp * dt * dt / 2;
     if (!is_implicit(joint)) continue;
-    const double soft = joint.implicit_stiffness * joint.kp * dt * dt;
-    inertia(6 + i, 6 + i) += soft + joint.implicit_damping * joint.kd * dt;
-    loop[i] += soft;
+    inertia(6 + i, 6 + i) += servo_inertia(joint, dt);
+    loop[i] += joint.implicit_stiffness * joint.kp * dt * dt;
   }
   const Eigen::LLT<Eigen::MatrixXd> M(inertia);
   if (joints == 0 || !(loop.maxCoeff() > 0)) return std::nullopt;

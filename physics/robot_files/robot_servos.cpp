@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "physics/core/find_row.h"
 #include "physics/robot/joint_numbers.h"
+#include "physics/robot_files/servo_law.h"
 
 namespace crossgait {
 namespace {
@@ -20,10 +20,7 @@ constexpr const char* kOfYaml = "the robot.yaml";
 void read_law(const YamlValue& values, Joint& joint, RobotReport& report) {
   const auto law = values.find(kServoLawKey);
   if (!law) return;
-  for (const char* number : {"implicit_stiffness", "implicit_damping"}) {
-    if (const auto value = values.find(number)) value->fail("either a law or its numbers", "both");
-  }
-  const ServoLaw& row = find_row(kServoLaws, law->text(), values.source(), "servo law");
+  const ServoLaw& row = read_servo_law(values, *law);
   joint.implicit_stiffness = row.implicit_stiffness;
   joint.implicit_damping = row.implicit_damping;
   for (const char* number : {"implicit_stiffness", "implicit_damping"})

@@ -58,9 +58,8 @@ def safetensors(tensors, metadata):
     return struct.pack("<Q", len(text)) + text + data
 
 
-def policy(program):
-    """A bundle for the default environment whose network says zero whatever it sees."""
-    env = json.loads(run(program, ["env", "--describe", "--json", "-"]))
+def policy(env):
+    """A bundle for the environment that is described so, whose network says zero whatever it sees."""
     observation, action = ([entry["name"] for entry in env[key]] for key in ("observation", "action"))
     inputs, outputs = len(observation), len(action)
     metadata = {"format": "crossgait-policy-1", "activation": "tanh", "output": "tanh",
@@ -75,7 +74,8 @@ def policy(program):
 
 def make_valid(program, folder):
     """Writes one file of every kind into `folder`, the repository's own where it has one, and sees that each is read."""
-    version = json.loads(run(program, ["env", "--describe", "--json", "-"]))["layout_version"]
+    env = json.loads(run(program, ["env", "--describe", "--json", "-"]))
+    version = env["layout_version"]
 
     def models(*parts):
         return os.path.join(ROOT, "models", *parts)
@@ -115,7 +115,7 @@ def make_valid(program, folder):
         with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
             file.write(text)
     with open(os.path.join(folder, "policy.safetensors"), "wb") as file:
-        file.write(policy(program))
+        file.write(policy(env))
     run(program, ["walk", "--seconds", ".2", "--settle", ".1", "--trace", os.path.join(folder, "trace.csv")])
     run(program, ["verdict", "--seconds", ".1", "--settle", ".1", "--starts", "4", "--explain",
                   "--json", os.path.join(folder, "verdict.json")])

@@ -1,12 +1,12 @@
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
 #include "physics/robot/multibody.h"
 #include "physics/robot_files/inference/robot_inference.h"
+#include "physics/robot_files/inference/turn_within.h"
 
 namespace crossgait {
 namespace {
@@ -58,14 +58,6 @@ std::array<PlanarChain, 2> chains_of(const RobotDescription& robot, Leg leg) {
   return {chain("shoulder_left", "elbow_left"), chain("shoulder_right", "elbow_right")};
 }
 
-/// The turn of `angle` that lies within the limits, if there is one.
-std::optional<double> within_limits(double angle, const Joint& joint) {
-  for (const double turned : {angle, angle - 2 * M_PI, angle + 2 * M_PI}) {
-    if (turned >= joint.lower && turned <= joint.upper) return turned;
-  }
-  return std::nullopt;
-}
-
 /// Puts the chain's tip on `foot`. @param side  of the elbow: -1 behind, +1 ahead
 void place_chain(const RobotDescription& robot, Leg leg, const PlanarChain& c, const Vector2& foot,
                  double side, JointVector& q) {
@@ -84,7 +76,7 @@ void place_chain(const RobotDescription& robot, Leg leg, const PlanarChain& c, c
   const double bend = turn_about_y(c.lower, d - upper) - turned;
   for (const auto& [joint, angle] : {std::pair(c.shoulder, c.shoulder_sign * turned),
                                      {c.elbow, c.elbow_sign * std::remainder(bend, 2 * M_PI)}}) {
-    const auto fitting = within_limits(angle, robot.joint(joint));
+    const auto fitting = turn_within(angle, robot.joint(joint));
     if (!fitting)
       refuse(fmt::format("joint '{}' within its limits, {:.3g} to {:.3g} rad, or a `home` in a robot.yaml",
                          robot.joint(joint).name, robot.joint(joint).lower, robot.joint(joint).upper),

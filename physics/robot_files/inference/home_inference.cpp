@@ -13,6 +13,7 @@
 #include "physics/robot/multibody.h"
 #include "physics/robot_files/inference/following_leg.h"
 #include "physics/robot_files/inference/robot_inference.h"
+#include "physics/robot_files/inference/turn_within.h"
 
 namespace crossgait {
 namespace {
@@ -33,14 +34,6 @@ double levelling_angle(const Vector3& axis, const Vector3& v) {
   const double middle = std::atan2(B, A), half = std::acos(std::clamp(-C / size, -1.0, 1.0));
   const double a = std::remainder(middle + half, kTurn), b = std::remainder(middle - half, kTurn);
   return std::abs(a) < std::abs(b) ? a : b;
-}
-
-/// The turn of `angle` that lies within the limits, if there is one.
-std::optional<double> within(double angle, const Joint& joint) {
-  for (const double turned : {angle, angle - kTurn, angle + kTurn}) {
-    if (turned >= joint.lower && turned <= joint.upper) return turned;
-  }
-  return std::nullopt;
 }
 
 /// A serial leg in the plane across its hip's axis, the abduction held.
@@ -70,8 +63,8 @@ class PlanarLeg {
     if (!(std::abs(cosine) <= 1)) return std::nullopt;
     const double turned = bend * std::acos(cosine) - turn_between(thigh_, shin_, axis_);
     const Vector3 reach = thigh_ + Eigen::AngleAxisd(turned, axis_) * shin_;
-    const auto hip_angle = within(hip_sign_ * turn_between(reach, foot, axis_), robot_.joint(hip()));
-    const auto knee_angle = within(knee_sign_ * turned, robot_.joint(knee()));
+    const auto hip_angle = turn_within(hip_sign_ * turn_between(reach, foot, axis_), robot_.joint(hip()));
+    const auto knee_angle = turn_within(knee_sign_ * turned, robot_.joint(knee()));
     if (!hip_angle || !knee_angle) return std::nullopt;
     if (model_.servos.size() == 2) return std::vector<double>{*hip_angle, *knee_angle};
     if (model_.linkage == LegLinkage::kHipFirst)
