@@ -58,6 +58,8 @@ void run(const IkCommand& options) {
   angle(five_bar ? "margin to straight or folded elbows" : "margin to a straight or folded knee",
         margins.serial);
   if (five_bar) angle("margin to parallel lower links", margins.parallel);
+  if (kinematics.kind() == LegKind::kClosedChain)
+    angle("margin to a dead point of the bars", margins.parallel);
   std::string text = fmt::format("{}; status: {}; foot at {:.6f}, {:.6f}, {:.6f} m\n",
                                  spaced(name(kinematics.kind())), name(status), foot.x(), foot.y(), foot.z());
   if (status != IkStatus::kOk && xyz[2] > 0) {

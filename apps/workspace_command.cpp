@@ -162,6 +162,10 @@ std::string describe(const Report& r) {
     add_margin("to parallel lower links (parallel)", at.parallel, r.smallest_in_cycle.parallel,
                required.parallel);
   }
+  if (r.leg.kind() == LegKind::kClosedChain) {
+    add_margin("to a dead point of the bars (parallel)", at.parallel, r.smallest_in_cycle.parallel,
+               required.parallel);
+  }
   return places.str() + "\n" + margins.str() +
          fmt::format("\nreachable: {:.1f} % of the reach of the links\n", 100 * r.reachable_fraction) +
          verdict(r);

@@ -10,10 +10,11 @@
 namespace crossgait {
 namespace {
 
-/// Largest misalignment of an axis (rad) or offset (m) that still counts as none: far below what would move
-/// the foot by the 1e-9 m to which the kinematics agree with the engines only if files give angles to full
-/// precision, so a frame written as rpy="1.57 0 0" is refused rather than silently wrong.
-constexpr double kAligned = 1e-9;
+/// Offset that still counts as none, m. With axes off by no more than `kAxisAlignment` the foot is wrong by
+/// tenths of a millimetre at the very worst, as there; a frame written as rpy="1.57 0 0", 8e-4 rad off, is
+/// refused rather than silently wrong.
+constexpr double kOffset = 1e-5;
+constexpr double kOneAxis = 1e-9;  // m, between shoulders that are on one axis
 
 /// The point where the lower links of joints `elbow_a` and `elbow_b` are joined, in either link's frame.
 struct Tips {
@@ -58,7 +59,7 @@ void validate(const FiveBarGeometry& g, const std::string& source) {
 FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg) {
   if (!robot.legs) throw ConfigError(robot.source, "legs", "a robot with legs", "none");
   const LegModel& model = (*robot.legs)[leg];
-  const LegFrames frames(robot, leg, kAligned);
+  const LegFrames frames(robot, leg, kAxisAlignment);
   if (model.linkage != LegLinkage::kFiveBar) frames.fail("joints", "a five-bar leg", "a serial one");
   const int tilt = model.joint("tilt"), shoulder_left = model.joint("shoulder_left"),
             shoulder_right = model.joint("shoulder_right"), elbow_left = model.joint("elbow_left"),
@@ -69,7 +70,7 @@ FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg) {
     frames.fail("foot", "on one of the two lower links", "on " + frames.at(model.foot_body).name);
   }
   const Vector3& foot = model.foot_body == elbow_left + 1 ? tips.a : tips.b;
-  if (const double off = (foot - model.p_BF).norm(); off > kAligned) {
+  if (const double off = (foot - model.p_BF).norm(); off > kOffset) {
     frames.fail("foot", "its centre where the lower links are joined", fmt::format("{:g} m away", off));
   }
 
@@ -81,18 +82,18 @@ FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg) {
 
   const Vector3 left = frames.pose(shoulder_left).translation();
   const Vector3 right = frames.pose(shoulder_right).translation();
-  if (const double step = right.z() - left.z(); std::abs(step) > kAligned) {
+  if (const double step = right.z() - left.z(); std::abs(step) > kOffset) {
     frames.fail("shoulders", "both at one height", fmt::format("right {:g} m above left", step));
   }
   const double plane_left = (frames.pose(elbow_left) * tips.a).y();
   const double plane_right = (frames.pose(elbow_right) * tips.b).y();
-  if (const double gap = plane_right - plane_left; std::abs(gap) > kAligned) {
+  if (const double gap = plane_right - plane_left; std::abs(gap) > kOffset) {
     frames.fail("lower links", "joined in one plane y = const", fmt::format("{:g} m apart", gap));
   }
   g.p_BL = {(left.x() + right.x()) / 2, plane_left, left.z()};
   g.a.shoulder_x = left.x() - g.p_BL.x();
   g.b.shoulder_x = right.x() - g.p_BL.x();
-  if (std::abs(g.base_distance()) < kAligned) g.a.shoulder_x = g.b.shoulder_x = 0;  // on one axis
+  if (std::abs(g.base_distance()) < kOneAxis) g.a.shoulder_x = g.b.shoulder_x = 0;  // on one axis
   if (g.has_tilt) {
     // A rotation about +x carries a hanging leg towards +y.
     g.tilt_sign = g.side * frames.axis_sign(tilt, Vector3::UnitX(), "x");

@@ -17,4 +17,7 @@ enum class IkStatus {
 /// Names a status: "ok", "clamped_too_far", "clamped_too_near", "clamped_joint_limit", "invalid_target".
 std::string_view name(IkStatus status) noexcept;
 
+/// What is searched for numerically is found if the foot is this near to its target, m.
+inline constexpr double kConverged = 1e-10;
+
 }  // namespace crossgait

@@ -66,9 +66,6 @@ struct LeastSquaresSolution {
   int iterations = 0;  ///< evaluations of the forward kinematics, over all attempts
 };
 
-/// A solution is one if the foot is this near to its target, m.
-inline constexpr double kConverged = 1e-10;
-
 /// Finds joint angles that put the foot's centre on `target` to `kConverged`, sought from `start` (moved into
 /// the joint limits) by Levenberg and Marquardt's method in the variables' box: joints at a limit that the
 /// step would pass are held. The knee stays on the side to which it is bent in `start`; one that is straight

@@ -9,7 +9,7 @@
 namespace crossgait {
 
 std::string_view name(LegKind kind) noexcept {
-  constexpr std::array<std::string_view, 3> kNames{"five_bar", "serial", "least_squares"};
+  constexpr std::array<std::string_view, 4> kNames{"five_bar", "serial", "least_squares", "closed_chain"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -17,6 +17,14 @@ LegKinematics::LegKinematics(const FiveBarGeometry& geometry, const LegModel& mo
     : leg_(geometry), home_(home), servo_count_(geometry.has_tilt ? 3 : 2), passive_count_(2) {
   const std::vector<int> joints = model.joints();
   std::copy_n(joints.begin(), std::min(joints.size(), joints_.size()), joints_.begin());
+}
+
+LegKinematics::LegKinematics(const ClosedChainGeometry& geometry, const LegModel& model, LegBranch home)
+    : leg_(std::make_shared<const ClosedChainGeometry>(geometry)),
+      home_(home),
+      servo_count_(geometry.chain.servo_count()),
+      passive_count_(geometry.chain.passive_count()) {
+  std::ranges::copy(model.joints(), joints_.begin());
 }
 
 LegKinematics::LegKinematics(const Kind& kind, const SerialLegJoints& joints, LegBranch home)
@@ -46,6 +54,10 @@ LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg) {
   if (model.linkage == LegLinkage::kFiveBar) {
     const FiveBarGeometry geometry = five_bar_geometry(robot, leg);
     return {geometry, model, five_bar_branch(robot, model, geometry)};
+  }
+  if (model.linkage == LegLinkage::kClosedChain) {
+    const ClosedChainGeometry geometry = closed_chain_geometry(robot, leg);
+    return {geometry, model, {.knee = closed_chain_knee(geometry)}};
   }
   return make_leg_kinematics(robot, leg, serial_leg_joints(model));
 }

@@ -2,26 +2,30 @@
 #pragma once
 
 #include <array>
+#include <concepts>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <variant>
 
+#include "ik/closed_chain_leg.h"
 #include "ik/five_bar_leg.h"
 #include "ik/least_squares_leg.h"
 #include "ik/serial_leg.h"
 
 namespace crossgait {
 
-enum class LegKind { kFiveBar, kSerial, kLeastSquares };
+enum class LegKind { kFiveBar, kSerial, kLeastSquares, kClosedChain };
 
-/// Names a kind of leg: "five_bar", "serial", "least_squares".
+/// Names a kind of leg: "five_bar", "serial", "least_squares", "closed_chain".
 std::string_view name(LegKind kind) noexcept;
 
 /// Angles of the driven joints, in the order tilt (if any), shoulder_left, shoulder_right or abduction (if
 /// any), hip, knee (hip, abduction, knee where the hip comes first), and of the passive ones, elbow_left and
-/// elbow_right, the knee and ankle that follow, or none; rad. Inline storage.
+/// elbow_right, the knee and ankle that follow, or none; of a closed chain in that of LegModel; rad. Inline
+/// storage.
 using ServoVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
-using PassiveVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1>;
+using PassiveVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxLegJoints, 1>;
 
 struct LegPosture {
   ServoVector servos;
@@ -41,7 +45,7 @@ struct LegInverse {
 };
 
 struct LegForward {
-  bool closed = true;              ///< false: a five-bar's chains cannot meet at these angles
+  bool closed = true;              ///< false: the loops of the leg cannot be closed at these angles
   Vector3 foot = Vector3::Zero();  ///< foot centre in the leg frame, m
   PassiveVector passive;           ///< rad
 };
@@ -60,12 +64,18 @@ class LegKinematics {
       : LegKinematics(Kind(geometry), joints, home) {}
   LegKinematics(const LeastSquaresLegGeometry& geometry, const SerialLegJoints& joints, LegBranch home = {})
       : LegKinematics(Kind(geometry), joints, home) {}
+  LegKinematics(const ClosedChainGeometry& geometry, const LegModel& model, LegBranch home = {});
 
   LegKind kind() const noexcept { return static_cast<LegKind>(leg_.index()); }
   /// Returns the geometry of its kind, or nullptr: `as<FiveBarGeometry>()`.
   template <typename Geometry>
   const Geometry* as() const noexcept {
-    return std::get_if<Geometry>(&leg_);
+    if constexpr (std::same_as<Geometry, ClosedChainGeometry>) {
+      const auto* shared = std::get_if<SharedClosedChain>(&leg_);
+      return shared == nullptr ? nullptr : shared->get();
+    } else {
+      return std::get_if<Geometry>(&leg_);
+    }
   }
 
   /// Returns p_BL: origin of the leg frame in the base frame, m.
@@ -96,7 +106,10 @@ class LegKinematics {
   LegMargins margins(const LegPosture& posture) const noexcept;
 
  private:
-  using Kind = std::variant<FiveBarGeometry, SerialLegGeometry, LeastSquaresLegGeometry>;  // as LegKind
+  // Copies share it: it has vectors, and copying must not allocate.
+  using SharedClosedChain = std::shared_ptr<const ClosedChainGeometry>;
+  using Kind = std::variant<FiveBarGeometry, SerialLegGeometry, LeastSquaresLegGeometry,
+                            SharedClosedChain>;  // as LegKind
 
   LegKinematics(const Kind& kind, const SerialLegJoints& joints, LegBranch home);
 
@@ -125,15 +138,22 @@ class LegKinematics {
     return angles;
   }
 
+  static ClosedChain::Angles all_angles(const LegPosture& posture) noexcept {
+    ClosedChain::Angles angles(posture.servos.size() + posture.passive.size());
+    angles << posture.servos, posture.passive;
+    return angles;
+  }
+
   Kind leg_;
   LegBranch home_;
-  std::array<int, 5> joints_{0, 1, 2, 3, 4};  // servos, then passive joints
+  std::array<int, kMaxLegJoints> joints_{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};  // servos, then passive joints
   int servo_count_ = 0, passive_count_ = 0;
 };
 
 /// Makes the kinematics of a leg of `robot`: a five-bar's; a serial leg's in closed form if its axes allow
-/// (`is_serial_leg`), else by least squares from the home posture. @throws ConfigError as
-/// `five_bar_geometry`, `serial_leg_geometry` and `least_squares_leg_geometry`, or if the robot has no legs
+/// (`is_serial_leg`), else, as a closed chain's, by least squares from the home posture. @throws ConfigError
+/// as `five_bar_geometry`, `serial_leg_geometry`, `least_squares_leg_geometry` and `closed_chain_geometry`,
+/// or if the robot has no legs
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg);
 /// Makes those of a serial leg of a robot that does not say where its legs are.
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
@@ -151,6 +171,8 @@ inline const Vector3& LegKinematics::origin() const noexcept {
       return as<FiveBarGeometry>()->p_BL;
     case LegKind::kSerial:
       return as<SerialLegGeometry>()->p_BL;
+    case LegKind::kClosedChain:
+      return as<ClosedChainGeometry>()->p_BL;
     default:
       return as<LeastSquaresLegGeometry>()->p_BL;
   }
@@ -190,6 +212,13 @@ inline LegInverse LegKinematics::inverse(const Vector3& target, LegBranch branch
       result.posture.passive = following_angles(s.angles);
       break;
     }
+    case LegKind::kClosedChain: {
+      const ClosedChainSolution s = solve_closed_chain(*as<ClosedChainGeometry>(), target);
+      result.status = s.status;
+      servos = s.angles.head(servo_count_);
+      result.posture.passive = s.angles.tail(passive_count_);
+      break;
+    }
   }
   return result;
 }
@@ -213,6 +242,14 @@ inline LegForward LegKinematics::forward(const ServoVector& servos, LegBranch br
       result.foot = forward_least_squares(*as<LeastSquaresLegGeometry>(), joint_angles(servos));
       result.passive = following_angles(joint_angles(servos));
       break;
+    case LegKind::kClosedChain: {
+      const auto& g = *as<ClosedChainGeometry>();
+      const auto angles = follow_servos(g, servos);
+      result.closed = angles.has_value();
+      result.foot = g.chain.foot(angles.value_or(g.home)) - g.p_BL;
+      result.passive = angles.value_or(g.home).tail(passive_count_);
+      break;
+    }
   }
   return result;
 }
@@ -224,6 +261,8 @@ inline LegJacobian LegKinematics::jacobian(const LegPosture& posture) const noex
       return leg_jacobian(*as<FiveBarGeometry>(), five_bar_angles(posture)).rightCols(servo_count_);
     case LegKind::kSerial:
       return serial_jacobian(*as<SerialLegGeometry>(), serial_angles(q)).rightCols(servo_count_);
+    case LegKind::kClosedChain:
+      return as<ClosedChainGeometry>()->chain.jacobian(all_angles(posture));
     default:
       return least_squares_jacobian(*as<LeastSquaresLegGeometry>(), joint_angles(q)).leftCols(servo_count_);
   }
@@ -236,6 +275,8 @@ inline LegMargins LegKinematics::margins(const LegPosture& posture) const noexce
       return leg_margins(*as<FiveBarGeometry>(), five_bar_angles(posture));
     case LegKind::kSerial:
       return serial_margins(*as<SerialLegGeometry>(), serial_angles(q));
+    case LegKind::kClosedChain:
+      return closed_chain_margins(*as<ClosedChainGeometry>(), all_angles(posture));
     default:
       return least_squares_margins(*as<LeastSquaresLegGeometry>(), joint_angles(q));
   }

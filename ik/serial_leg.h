@@ -51,25 +51,18 @@ struct SerialLegGeometry : TiltMount {
   TwoLinkChain chain;  ///< hip, thigh, knee, shin; shoulder_x is 0
 };
 
-/// Largest misalignment of a joint axis that counts as none, rad. Files written by programs with six decimals
-/// are within 1e-5; frames turned on purpose are off by 1e-3 and more. The foot is then wrong by at most 2e-4
-/// (r1 + r2 + r3), r being its distances from the three joints (an axis off by e turns a point at distance r
-/// along a circle that is nowhere farther than 2 e r from the right one): 0.2 mm for a leg of 0.5 m at the
-/// very worst.
-inline constexpr double kSerialAlignment = 1e-4;
-
 /// Tells whether the axes of the joints are those of a serial leg, each within `tolerance` (rad): abduction
 /// along +-x, hip and knee along +-y of the base, at zero angles, the abduction first and no joint that
 /// follows. @throws ConfigError if they do not hang on each other
 bool is_serial_leg(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints,
-                   double tolerance = kSerialAlignment);
+                   double tolerance = kAxisAlignment);
 
 /// Derives the geometry of one leg from the joint frames of `robot`, which may be turned anyhow at zero
 /// angles.
 /// @throws ConfigError naming file, leg and joint if the joints do not hang on each other or on the base,
 ///   their axes are none of a serial leg (`is_serial_leg`), or thigh or shin have no length
 SerialLegGeometry serial_leg_geometry(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints,
-                                      double tolerance = kSerialAlignment);
+                                      double tolerance = kAxisAlignment);
 
 /// Holds joint angles in the robot's sign convention, rad; `abduction` is 0 without such a joint.
 struct SerialAngles {

@@ -102,6 +102,12 @@ TargetBox reach_bounds(const LegKinematics& leg) {
     if (!g->has_abduction) box = {{-reach, 0, -reach}, {reach, 0, 0}};
     return box;
   }
+  if (const auto* g = leg.as<ClosedChainGeometry>()) {
+    const Vector3 all = Vector3::Constant(g->chain.reach());
+    TargetBox box{g->chain.origin(g->home, 0) - g->p_BL - all, g->chain.origin(g->home, 0) - g->p_BL + all};
+    box.max.z() = std::min(box.max.z(), 0.0);
+    return box;
+  }
   // Any axes: no farther than all links in one line, from the first joint.
   const auto& g = *leg.as<LeastSquaresLegGeometry>();
   double reach = g.p_foot.norm();

@@ -18,25 +18,25 @@ constexpr double kSlow = 0.1;  // rad/s, of scara_quadruped
 
 // Of a leg whose knee follows its hip: the foot moves on a surface, and is put where that has the depth and
 // the distance aside that are asked for, by Newton's method from the nearest posture.
-LegInverse solve_aside(const LegKinematics& kinematics, const Vector3& foot) noexcept {
+LegInverse solve_aside(const LegKinematics& kinematics, const std::array<JointLimits, 3>& limits,
+                       const Vector3& foot) noexcept {
   constexpr int kIterations = 20;  // from the nearest posture about five are enough
-  const auto* geometry = kinematics.as<LeastSquaresLegGeometry>();
   LegInverse nearest = kinematics.inverse(foot);
-  if (geometry == nullptr || nearest.status == IkStatus::kInvalidTarget) return nearest;
+  if (nearest.status == IkStatus::kInvalidTarget) return nearest;
   LegInverse placed = nearest;
   for (int i = 0; i < kIterations; ++i) {
     const LegForward at = kinematics.forward(placed.posture.servos);
+    if (!at.closed) break;
+    placed.posture.passive = at.passive;
     const Vector2 off = (foot - at.foot).tail<2>();
     if (off.norm() < kConverged) {
       placed.status = IkStatus::kOk;
-      placed.posture.passive = at.passive;
       return placed;
     }
     const Eigen::Matrix2d J = kinematics.jacobian(placed.posture).bottomRows<2>();
     if (std::abs(J.determinant()) < 1e-12) break;  // m^2/rad^2: the foot cannot be moved both ways
     placed.posture.servos += J.inverse() * off;
-    for (int k = 0; k < 2; ++k)
-      clamp_angle(placed.posture.servos[k], geometry->links[static_cast<std::size_t>(k)].limits);
+    for (int k = 0; k < 2; ++k) clamp_angle(placed.posture.servos[k], limits[static_cast<std::size_t>(k)]);
   }
   return nearest;
 }
@@ -69,7 +69,10 @@ FootTargetTracker::FootTargetTracker(std::shared_ptr<const RobotDescription> des
       servos.slots[k] = it - actuated.begin();
       servos.stiffness[static_cast<Eigen::Index>(k)] = joint.kp;
       servos.drag[k] = {joint.kd + joint.damping, joint.friction, slow};
+      const auto* geometry = kinematics.as<LeastSquaresLegGeometry>();
+      servos.limits[k] = geometry ? geometry->links[k].limits : JointLimits{joint.lower, joint.upper};
     }
+    servos.is_on_surface = kinematics.servo_count() == 2 && (*robot.legs)[leg].joint("abduction") >= 0;
     if (kinematics.passive_count() > 0) {
       const Joint& elbow = robot.joint(kinematics.passive_joints()[0]);
       servos.passive_drag = {elbow.damping, elbow.friction, slow};
@@ -91,7 +94,7 @@ void FootTargetTracker::restart() noexcept {
 LegInverse FootTargetTracker::solve(Leg leg, const Vector3& foot) const noexcept {
   const LegKinematics& kinematics = kinematics_[leg];
   if (kinematics.servo_count() == 3) return kinematics.inverse(foot);
-  if ((*robot_->legs)[leg].linkage == LegLinkage::kKneeFollows) return solve_aside(kinematics, foot);
+  if (servos_[leg].is_on_surface) return solve_aside(kinematics, servos_[leg].limits, foot);
   return kinematics.inverse({foot.x(), 0, foot.z()});
 }
 

@@ -72,6 +72,8 @@ class FootTargetTracker {
     ServoVector stiffness;                // N m/rad
     std::array<JointDrag, 3> drag;        // servo and joint together
     JointDrag passive_drag;
+    std::array<JointLimits, 3> limits;  // those of what moves with a servo in them, rad
+    bool is_on_surface = false;         // abduction and one servo more: the foot moves on a surface
   };
   struct LastUpdate {
     Vector3 position = Vector3::Zero();  // m

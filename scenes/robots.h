@@ -22,6 +22,13 @@ RobotPtr serial_quadruped();
 /// shoulders `apart` (m) from each other along x, 0: on one axis. It stands 0.22 m high.
 RobotPtr planar_five_bars(double apart);
 
+/// Makes a quadruped whose knees are turned by a crank about the hip's axis and a rod: a four-bar of four
+/// unequal lengths beside each thigh. It stands 0.2 m high with all angles zero.
+RobotPtr four_bar_knees();
+/// Makes a quadruped with legs of three links, of which the last is turned by a rod from thigh to toe. It
+/// stands likewise.
+RobotPtr pantographs();
+
 /// Returns a solid box's mass properties about its own centre, which lies at `p_BC`.
 SpatialInertia solid_box(double mass, const Vector3& half_extents, const Vector3& p_BC = Vector3::Zero());
 

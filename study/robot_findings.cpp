@@ -28,6 +28,8 @@ constexpr double kWidened = 1.5;   // of a link's box, for its centre of mass
 constexpr double kThin = 0.1;      // of the longest side: a box whose volume says nothing
 constexpr double kUnlike = 0.05;   // relative, of left and right
 constexpr double kAtLimit = 0.01;  // rad
+constexpr double kLeastTransmission =
+    0.26;  // rad, 15 degrees: there bars push four times as hard as they move
 
 /// A unit in which a number would have been right, and by which factor it is too large as it is.
 struct Unit {
@@ -69,6 +71,7 @@ class Findings {
     for (std::size_t i = 0; i < robot_.bodies.size(); ++i) check_body(robot_.bodies[i], boxes_[i]);
     if (robot_.legs) {
       check_efforts();
+      check_bars();
       check_home();
       compare_sides();
     }
@@ -172,6 +175,20 @@ class Findings {
           kinematics.jacobian(home).transpose() * Vector3(0, 0, weight / kLegCount);
       for (int i = 0; i < kinematics.servo_count(); ++i)
         check_effort(robot_.joint(kinematics.servo_joints()[static_cast<std::size_t>(i)]), torques[i]);
+    }
+  }
+
+  void check_bars() {
+    for (const Leg leg : kLegs) {
+      if ((*robot_.legs)[leg].linkage != LegLinkage::kClosedChain) continue;
+      const ClosedChainGeometry geometry = closed_chain_geometry(robot_, leg);
+      const double transmission = geometry.chain.transmission(geometry.home);
+      if (transmission >= kLeastTransmission) continue;
+      add(Severity::kWarning, fmt::format("legs.{}", name(leg)),
+          fmt::format(
+              "at home its bars are {:.2g} degrees from a dead point, where they cannot move what has no "
+              "servo, expected {:.2g} or more",
+              transmission * kDegreesPerRadian, kLeastTransmission * kDegreesPerRadian));
     }
   }
 

@@ -27,6 +27,29 @@ constexpr std::array<LegRole, 3> kHipKneeRoles{{{"hip", -1, true}, {"knee", 0, t
 constexpr std::array<LegRole, 4> kKneeFollowsRoles{
     {{"abduction", -1, true}, {"hip", 0, true}, {"knee", 1, false}, {"ankle", 2, false}}};
 
+constexpr std::array<std::string_view, 4> kChainNames{"abduction", "hip", "knee", "ankle"};  // as LegPart
+constexpr std::array<std::string_view, 4> kCranks{"crank", "crank_2", "crank_3", "crank_4"};
+constexpr std::array<std::string_view, 8> kRods{"rod",   "rod_2", "rod_3", "rod_4",
+                                                "rod_5", "rod_6", "rod_7", "rod_8"};
+
+LegRoles closed_chain_roles(const LegModel& leg) noexcept {
+  LegRoles roles;
+  std::size_t cranks = 0, rods = 0;
+  for (std::size_t i = 0; i < std::min(leg.parts.size(), kMaxLegJoints); ++i) {
+    const bool has_servo = i < leg.servos.size();
+    std::string_view name;
+    if (leg.parts[i] != LegPart::kBar) {
+      name = kChainNames[static_cast<std::size_t>(leg.parts[i])];
+    } else if (has_servo) {
+      name = kCranks[std::min(cranks++, kCranks.size() - 1)];
+    } else {
+      name = kRods[std::min(rods++, kRods.size() - 1)];
+    }
+    roles.push_back({name, LegRole::kAnyParent, has_servo});
+  }
+  return roles;
+}
+
 }  // namespace
 
 double JointCoupling::follower_at(double angle) const noexcept {
@@ -46,15 +69,16 @@ bool JointCoupling::is_linear() const noexcept {
   return std::all_of(coefficients.begin() + 2, coefficients.end(), [](double c) { return c == 0; });
 }
 
-std::span<const LegRole> LegModel::roles() const noexcept {
-  if (linkage == LegLinkage::kFiveBar && servos.size() == 2) return kPlanarFiveBarRoles;
-  if (linkage == LegLinkage::kFiveBar) return kFiveBarRoles;
+LegRoles LegModel::roles() const noexcept {
+  if (linkage == LegLinkage::kClosedChain) return closed_chain_roles(*this);
+  if (linkage == LegLinkage::kFiveBar)
+    return servos.size() == 2 ? LegRoles(kPlanarFiveBarRoles) : LegRoles(kFiveBarRoles);
   if (linkage == LegLinkage::kKneeFollows)
-    return std::span(kKneeFollowsRoles).first(passive.size() > 1 ? 4 : 3);
+    return LegRoles(std::span(kKneeFollowsRoles).first(passive.size() > 1 ? 4 : 3));
   const std::size_t ankles = passive.empty() ? 0 : 1;
-  if (linkage == LegLinkage::kHipFirst) return std::span(kHipFirstRoles).first(3 + ankles);
-  if (servos.size() == 2) return std::span(kHipKneeRoles).first(2 + ankles);
-  return std::span(kSerialRoles).first(3 + ankles);
+  if (linkage == LegLinkage::kHipFirst) return LegRoles(std::span(kHipFirstRoles).first(3 + ankles));
+  if (servos.size() == 2) return LegRoles(std::span(kHipKneeRoles).first(2 + ankles));
+  return LegRoles(std::span(kSerialRoles).first(3 + ankles));
 }
 
 std::vector<int> LegModel::joints() const {
@@ -64,13 +88,18 @@ std::vector<int> LegModel::joints() const {
 }
 
 int LegModel::joint(std::string_view role) const noexcept {
-  const std::span<const LegRole> known = roles();
+  const LegRoles known = roles();
   for (std::size_t i = 0; i < known.size(); ++i) {
     if (known[i].name != role) continue;
     if (i < servos.size()) return servos[i];
     return i - servos.size() < passive.size() ? passive[i - servos.size()] : -1;
   }
   return -1;
+}
+
+int LegModel::last_joint() const noexcept {
+  const int ankle = joint("ankle");
+  return ankle >= 0 ? ankle : joint("knee");
 }
 
 std::vector<int> RobotDescription::actuated_joints() const {

@@ -71,8 +71,10 @@ struct Joint {
   double upper = 3.14159265358979323846;   ///< rad  where the joint is `limited`
   /// Engines keep the angle within the limits, each by its law (Laws::joint_limits).
   bool limited = false;
-  Softness limit_softness;      ///< of that law where it is soft; violations are in rad. MuJoCo's defaults
-  double damping = 0;           ///< viscous, N m s/rad; explicit on every engine
+  Softness limit_softness;  ///< of that law where it is soft; violations are in rad. MuJoCo's defaults
+  double damping = 0;       ///< viscous, N m s/rad
+  /// Share of it that acts on the speed at which a step ends rather than begins, 0 to 1 (step_armature).
+  double implicit_joint_damping = 0;
   double stiffness = 0;         ///< of a spring beside the servo, N m/rad; explicit on every engine
   double spring_reference = 0;  ///< angle at which that spring is at rest, rad
   double friction = 0;          ///< dry (Coulomb), N m; a law of the engine's (docs/conventions.md)
@@ -137,32 +139,63 @@ enum class LegLinkage {
   kSerial,    ///< hip and knee, on an abduction joint or on the base
   kHipFirst,  ///< hip, abduction, knee: the abduction turns with the hip
   kKneeFollows,  ///< abduction and hip, and a knee that is coupled to one of them
+  kClosedChain,  ///< hip, knee and what else is between base and foot, some of them moved by bars beside them
+                 ///< that loops join to the leg
 };
+
+/// Says what a joint of a closed chain is: one between base and foot, or of a bar beside these.
+enum class LegPart { kAbduction, kHip, kKnee, kAnkle, kBar };
 
 /// Describes a joint of a leg: what it is called, and the role (its index) that it hangs on; -1: on the base.
 struct LegRole {
+  static constexpr int kAnyParent = -2;  ///< on the base, or on any of the leg
   std::string_view name;
   int parent;
   bool actuated;
 };
 
+inline constexpr std::size_t kMaxLegJoints = 10;
+
+/// Lists the roles of a leg, in place.
+class LegRoles {
+ public:
+  LegRoles() = default;
+  explicit LegRoles(std::span<const LegRole> roles) noexcept {
+    for (const LegRole& role : roles) push_back(role);
+  }
+  void push_back(const LegRole& role) noexcept { roles_[size_++] = role; }
+  std::size_t size() const noexcept { return size_; }
+  const LegRole& operator[](std::size_t i) const noexcept { return roles_[i]; }
+  const LegRole* begin() const noexcept { return roles_.data(); }
+  const LegRole* end() const noexcept { return roles_.data() + size_; }
+
+ private:
+  std::array<LegRole, kMaxLegJoints> roles_{};
+  std::size_t size_ = 0;
+};
+
 /// Describes one leg: its joints (indices into joint vectors) in the order of its roles, and its foot.
 struct LegModel {
   LegLinkage linkage = LegLinkage::kFiveBar;
-  std::vector<int> servos;   ///< tilt (if any), shoulder_left, shoulder_right; or abduction (if any), hip,
-                             ///< knee; or hip, abduction, knee; or abduction, hip
-  std::vector<int> passive;  ///< elbow_left, elbow_right; or the knee that follows, and the ankle that
-                             ///< does, of which a leg has both, one or none
-  int foot_body = -1;        ///< index of the body that carries the foot
+  std::vector<int> servos;     ///< tilt (if any), shoulder_left, shoulder_right; or abduction (if any), hip,
+                               ///< knee; or hip, abduction, knee; or abduction, hip
+  std::vector<int> passive;    ///< elbow_left, elbow_right; or the knee that follows, and the ankle that
+                               ///< does, of which a leg has both, one or none
+  std::vector<LegPart> parts;  ///< of a closed chain what servos, then passive joints are; else empty
+  int foot_body = -1;          ///< index of the body that carries the foot
   Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
   double foot_radius = 0;          ///< m
 
-  /// Lists the roles of servos, then of passive joints.
-  std::span<const LegRole> roles() const noexcept;
+  /// Lists the roles of servos, then of passive joints. Bars of a closed chain are called "crank" (one with a
+  /// servo) and "rod", further ones "crank_2", "rod_2" and so on.
+  LegRoles roles() const noexcept;
   /// Lists servos, then passive joints: as `roles`.
   std::vector<int> joints() const;
   /// Returns the joint in the role of this name, or -1.
   int joint(std::string_view role) const noexcept;
+  /// Returns the joint of a leg with a knee that moves the link at its end: the ankle, or without one the
+  /// knee.
+  int last_joint() const noexcept;
 };
 
 /// Holds everything the engines need to know of a robot.

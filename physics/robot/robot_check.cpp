@@ -10,6 +10,7 @@
 #include "physics/core/error.h"
 #include "physics/robot/followed_joint.h"
 #include "physics/robot/joint_numbers.h"
+#include "physics/robot/loop_closing.h"
 #include "physics/robot/multibody.h"
 #include "physics/robot/robot_members.h"
 
@@ -135,7 +136,7 @@ std::string body_name(const RobotDescription& robot, int body) {
 void check_roles(const RobotDescription& robot, Leg leg, std::set<int>& used) {
   const LegModel& model = (*robot.legs)[leg];
   const std::string_view source = source_of(robot);
-  const std::span<const LegRole> roles = model.roles();
+  const LegRoles roles = model.roles();
   const std::vector<int> joints = model.joints();
   Reporter(source, fmt::format("legs.{}", name(leg)))
       .require(joints.size() == roles.size(), fmt::format("{} joints", roles.size()),
@@ -148,10 +149,14 @@ void check_roles(const RobotDescription& robot, Leg leg, std::set<int>& used) {
     const Body& body = robot.bodies[static_cast<std::size_t>(joint) + 1];
     report.require(used.insert(joint).second, "each joint once",
                    fmt::format("joint '{}' again", body.joint.name));
-    const int expected_parent = role.parent < 0 ? 0 : joints[static_cast<std::size_t>(role.parent)] + 1;
-    report.require(body.parent == expected_parent,
-                   fmt::format("a joint on {}", body_name(robot, expected_parent)),
-                   fmt::format("joint '{}' on {}", body.joint.name, body_name(robot, body.parent)));
+    const std::string found = fmt::format("joint '{}' on {}", body.joint.name, body_name(robot, body.parent));
+    if (role.parent == LegRole::kAnyParent) {
+      report.require(body.parent == 0 || std::ranges::count(joints, body.parent - 1) > 0,
+                     "a joint on the base or on a link of the leg", found);
+    } else {
+      const int parent = role.parent < 0 ? 0 : joints[static_cast<std::size_t>(role.parent)] + 1;
+      report.require(body.parent == parent, fmt::format("a joint on {}", body_name(robot, parent)), found);
+    }
     report.require(body.joint.actuated == role.actuated, role.actuated ? "a servo" : "a passive joint",
                    "the opposite");
   }
@@ -173,14 +178,39 @@ void check_followers(const RobotDescription& robot, Leg leg) {
   }
 }
 
+/// A closed chain has hip and knee, each part between base and foot once, and is no larger than what holds
+/// it.
+void check_parts(const RobotDescription& robot, Leg leg) {
+  const LegModel& model = (*robot.legs)[leg];
+  const Reporter report(source_of(robot), fmt::format("legs.{}", name(leg)));
+  const bool is_closed_chain = model.linkage == LegLinkage::kClosedChain;
+  const std::size_t joints = model.joints().size(), parts = is_closed_chain ? joints : 0;
+  report.require(model.parts.size() == parts, fmt::format("{} parts of a closed chain", parts),
+                 std::to_string(model.parts.size()));
+  if (!is_closed_chain) return;
+  report.require(joints <= kMaxLegJoints, fmt::format("at most {} joints", kMaxLegJoints),
+                 std::to_string(joints));
+  report.require(model.servos.size() == 2 || model.servos.size() == 3, "2 or 3 servos",
+                 std::to_string(model.servos.size()));
+  for (const LegPart part : {LegPart::kHip, LegPart::kKnee}) {
+    report.require(std::ranges::count(model.parts, part) == 1, "one hip and one knee",
+                   std::to_string(std::ranges::count(model.parts, part)));
+  }
+  for (const LegPart part : {LegPart::kAbduction, LegPart::kAnkle}) {
+    report.require(std::ranges::count(model.parts, part) <= 1, "at most one abduction and one ankle",
+                   std::to_string(std::ranges::count(model.parts, part)));
+  }
+}
+
 void check_leg(const RobotDescription& robot, Leg leg, std::set<int>& used) {
+  check_parts(robot, leg);
   check_roles(robot, leg, used);
   const LegModel& model = (*robot.legs)[leg];
   const std::string_view source = source_of(robot);
   const bool five_bar = model.linkage == LegLinkage::kFiveBar;
-  if (!five_bar) check_followers(robot, leg);
+  if (!five_bar && model.linkage != LegLinkage::kClosedChain) check_followers(robot, leg);
   // The last link of a serial leg, or either lower link of a five-bar.
-  const int right = model.joints().back() + 1;
+  const int right = (five_bar ? model.joints().back() : model.last_joint()) + 1;
   const int left = five_bar ? model.passive.front() + 1 : right;
   const Reporter foot(source, fmt::format("legs.{}.foot", name(leg)));
   foot.require(model.foot_body == left || model.foot_body == right, "a foot on a lower link of its leg",
@@ -309,7 +339,7 @@ void check_home(const RobotDescription& robot) {
   std::vector<Pose> poses;
   forward_kinematics(robot, state, poses);
   const double gap = max_loop_gap(robot, poses);
-  report.require(gap < kHomeLoopTolerance, fmt::format("loops closed to {} m", kHomeLoopTolerance),
+  report.require(gap < kLoopTolerance, fmt::format("loops closed to {} m", kLoopTolerance),
                  fmt::format("a gap of {} m", gap));
   for (const JointCoupling& coupling : robot.couplings) {
     const double off = robot.home[coupling.follower] - coupling.follower_at(robot.home[coupling.leader]);

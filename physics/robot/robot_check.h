@@ -9,9 +9,7 @@
 
 namespace crossgait {
 
-/// Loops count as closed at home when no gap exceeds this, m.
-inline constexpr double kHomeLoopTolerance = 1e-9;
-/// Likewise a follower where it belongs, rad.
+/// Followers are where they belong at home when they are as near as this, rad.
 inline constexpr double kHomeCouplingTolerance = 1e-9;
 
 /// What a robot may be made of; beyond, engines' arithmetic breaks down long before anything walks, and a

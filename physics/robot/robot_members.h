@@ -101,8 +101,8 @@ void for_each_member(T& coupling, Visit&& visit) {
 
 template <MaybeConst<LegModel> T, typename Visit>
 void for_each_member(T& leg, Visit&& visit) {
-  auto& [linkage, servos, passive, foot_body, p_BF, foot_radius] = leg;
-  visit("linkage", linkage), visit("servos", servos), visit("passive", passive);
+  auto& [linkage, servos, passive, parts, foot_body, p_BF, foot_radius] = leg;
+  visit("linkage", linkage), visit("servos", servos), visit("passive", passive), visit("parts", parts);
   visit("foot_body", foot_body), visit("p_BF", p_BF), visit("foot_radius", foot_radius);
 }
 

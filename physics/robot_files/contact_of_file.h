@@ -37,6 +37,7 @@ struct ContactOfFile {
   std::optional<double> noslip_iterations;
   std::optional<std::array<double, 3>> gravity;  ///< m/s^2
   std::optional<std::string> cone, integrator;
+  bool has_explicit_dampers = false;  ///< of an MJCF that says `eulerdamp="disable"`
   /// Contacts of each collision shape with the file's ground, by the shape's name; two rules of one file that
   /// meet are combined as MuJoCo does.
   std::map<std::string, ContactNumbers> shapes;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,7 @@ struct ParsedRobot {
   std::map<std::string, double> velocity_limits;
   std::vector<UnusedQuantity> unused;
   std::vector<NamedCoupling> couplings;
+  std::set<std::string> servos;        ///< joints that have one, by the file; empty if it says none
   std::map<std::string, double> held;  ///< joints that the file itself holds, and at which angle, rad
   /// Joints that something else moves in ways that are not simulated, by joint: "is driven by ...".
   std::map<std::string, std::string> coupled;

@@ -50,9 +50,10 @@ RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, s
 
 LoadedRobot RobotBuilder::load() {
   read_couplings();
+  read_loops();
   read_frame_and_legs();
   take_couplings();
-  read_loops();
+  take_loops();
   read_softness("loop_softness", robot_.loop_softness);
   read_softness("friction_softness", robot_.friction_softness);
   for (Body& body : robot_.bodies) read_softness("limit_softness", body.joint.limit_softness);
@@ -88,20 +89,20 @@ int RobotBuilder::body_of(const LinkPlacement& placement) const {
 
 void RobotBuilder::read_loops() {
   const auto loops = find("loops");
-  if (loops) {
-    for (const YamlValue& value : loops->items()) {
-      value.allow_keys({"name", "link_a", "point_a", "link_b", "point_b"});
-      const LinkPlacement& a = link(value.at("link_a"));
-      const LinkPlacement& b = link(value.at("link_b"));
-      robot_.loops.push_back({value.at("name").text(), body_of(a), body_of(b),
-                              a.X_BL * value.at("point_a").vector3(),
-                              b.X_BL * value.at("point_b").vector3()});
-    }
-  } else {
-    for (const LinkLoop& loop : parsed_.loops) {
-      const LinkPlacement &a = parsed_.links.at(loop.link_a), &b = parsed_.links.at(loop.link_b);
-      robot_.loops.push_back({loop.name, body_of(a), body_of(b), a.X_BL * loop.p_a, b.X_BL * loop.p_b});
-    }
+  if (!loops) return;
+  parsed_.loops.clear();
+  for (const YamlValue& value : loops->items()) {
+    value.allow_keys({"name", "link_a", "point_a", "link_b", "point_b"});
+    for (const char* key : {"link_a", "link_b"}) static_cast<void>(link(value.at(key)));  // throws
+    parsed_.loops.push_back({value.at("name").text(), value.at("link_a").text(), value.at("link_b").text(),
+                             value.at("point_a").vector3(), value.at("point_b").vector3()});
+  }
+}
+
+void RobotBuilder::take_loops() {
+  for (const LinkLoop& loop : parsed_.loops) {
+    const LinkPlacement &a = parsed_.links.at(loop.link_a), &b = parsed_.links.at(loop.link_b);
+    robot_.loops.push_back({loop.name, body_of(a), body_of(b), a.X_BL * loop.p_a, b.X_BL * loop.p_b});
   }
 }
 

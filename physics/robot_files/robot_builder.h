@@ -61,7 +61,9 @@ class RobotBuilder {
   void settle_held(const std::map<std::string, double>& held);
   void take_couplings();
 
+  /// Reads the loops: those of a robot.yaml override all of the file's.
   void read_loops();
+  void take_loops();
   void read_softness(std::string_view key, Softness& softness);
   static void read_softness(const YamlValue& values, Softness& softness);
 
@@ -89,6 +91,8 @@ class RobotBuilder {
   /// Moves passive joints until the loops are closed and followers where they belong. @returns whether they
   /// were nearly so
   bool close_home();
+  /// Puts a leg of which loops move joints where its servos have it, if these follow from zero angles.
+  void follow_servos_of_home(const YamlValue& values, Leg leg);
   /// Reads angles per role, for every leg or each; passive joints' are refined until the loops are closed.
   void read_home(const YamlValue& home);
   std::vector<Pose> home_poses() const;

@@ -36,7 +36,7 @@ void RobotBuilder::read_feet() {
 
 void RobotBuilder::infer_foot(Leg leg) {
   LegModel& model = (*robot_.legs)[leg];
-  const int last = model.joints().back() + 1;
+  const int last = model.last_joint() + 1;
   const auto in_file = std::find(body_index_.begin(), body_index_.end(), last) - body_index_.begin();
   const FootPlace foot = find_foot_on(static_cast<int>(in_file));
   const Vector3& p = foot.p_BF;

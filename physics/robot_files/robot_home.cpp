@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/robot/closed_chain.h"
 #include "physics/robot/loop_closing.h"
 #include "physics/robot/multibody.h"
 #include "physics/robot/robot_check.h"
@@ -107,6 +108,19 @@ bool RobotBuilder::close_home() {
   return (robot_.home - stated).cwiseAbs().maxCoeff() < kHomeAngleTolerance;
 }
 
+void RobotBuilder::follow_servos_of_home(const YamlValue& values, Leg leg) {
+  const ClosedChain chain(robot_, leg);
+  const std::vector<int> joints = (*robot_.legs)[leg].joints();
+  ClosedChain::Angles q = ClosedChain::Angles::Zero(static_cast<Eigen::Index>(joints.size()));
+  ClosedChain::ServoAngles servos(chain.servo_count());
+  const LegRoles roles = (*robot_.legs)[leg].roles();
+  for (int i = 0; i < chain.servo_count(); ++i)
+    servos[i] = values.at(roles[static_cast<std::size_t>(i)].name).number();
+  // Where the loops do not follow from zero angles, what is said of the others has to be near enough.
+  if (!chain.close(q) || !chain.move(servos, q)) return;
+  for (std::size_t i = 0; i < joints.size(); ++i) robot_.home[joints[i]] = q[static_cast<Eigen::Index>(i)];
+}
+
 void RobotBuilder::read_home(const YamlValue& home) {
   robot_.home = JointVector::Zero(robot_.joint_count());
   const bool by_leg = home.find(name(Leg::FL)).has_value();
@@ -115,17 +129,20 @@ void RobotBuilder::read_home(const YamlValue& home) {
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot_.legs)[leg];
     const YamlValue values = by_leg ? home.at(name(leg)) : home;
-    if (model.linkage == LegLinkage::kFiveBar) {
+    if (model.linkage == LegLinkage::kFiveBar || model.linkage == LegLinkage::kClosedChain) {
       std::vector<std::string_view> roles;
       for (const LegRole& role : model.roles()) roles.push_back(role.name);
       values.allow_keys(roles);
     } else {
       values.allow_keys({"abduction", "hip", "knee", "ankle"});
     }
+    if (model.linkage == LegLinkage::kClosedChain) follow_servos_of_home(values, leg);
     for (const LegRole& role : model.roles()) {
       const int i = model.joint(role.name);
-      const bool is_left_to_leader = !role.actuated && robot_.coupling_of(i) && !values.find(role.name);
-      if (is_left_to_leader) continue;
+      const bool is_closed = model.linkage == LegLinkage::kClosedChain;
+      const bool is_left_to_others =
+          !role.actuated && (is_closed || robot_.coupling_of(i)) && !values.find(role.name);
+      if (is_left_to_others) continue;
       robot_.home[i] = values.at(role.name).number();
       said.insert(i);
     }
@@ -134,7 +151,7 @@ void RobotBuilder::read_home(const YamlValue& home) {
   JointVector placed = robot_.home;
   robot_.place_followers(placed);
   for (int i = 0; i < robot_.joint_count(); ++i) {
-    if (!said.contains(i)) robot_.home[i] = placed[i];
+    if (!said.contains(i) && robot_.coupling_of(i)) robot_.home[i] = placed[i];
   }
   if (!close_home()) home.fail(kClosedHome, kOpen);
 }

@@ -1,6 +1,8 @@
 // Which joints of a file are the robot's legs.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -11,6 +13,25 @@
 #include "physics/robot_files/robot_builder.h"
 
 namespace crossgait {
+namespace {
+
+constexpr std::array<std::pair<LegPart, std::string_view>, 4> kChainRoles{{{LegPart::kAbduction, "abduction"},
+                                                                           {LegPart::kHip, "hip"},
+                                                                           {LegPart::kKnee, "knee"},
+                                                                           {LegPart::kAnkle, "ankle"}}};
+
+/// Makes the leg a closed chain. @returns its bodies: servos, then what loops move
+std::vector<int> take_closed_chain(const LegJoints& joints, LegModel& model) {
+  model.linkage = LegLinkage::kClosedChain;
+  model.servos.resize(joints.servos.size(), -1);
+  model.passive.resize(joints.followers.size(), -1);
+  model.parts = joints.parts;
+  std::vector<int> bodies = joints.servos;
+  bodies.insert(bodies.end(), joints.followers.begin(), joints.followers.end());
+  return bodies;
+}
+
+}  // namespace
 
 void RobotBuilder::read_frame_and_legs() {
   const auto legs = find("legs"), frame = find("frame"), locked = find("locked");
@@ -105,6 +126,7 @@ void RobotBuilder::take_legs(const LegArray<FoundChain>& chains) {
   LegArray<LegModel> models;
   for (const Leg leg : kLegs) {
     models[leg].linkage = chains[leg].linkage;
+    models[leg].parts = chains[leg].parts;
     models[leg].passive.resize(chains[leg].followers, -1);
     models[leg].servos.resize(chains[leg].joints.size() - chains[leg].followers, -1);
     for (const std::string& joint : chains[leg].joints) bodies[leg].push_back(moved_body(joint));
@@ -124,6 +146,13 @@ void RobotBuilder::read_legs(const YamlValue& legs) {
   LegArray<std::vector<int>> bodies;
   LegArray<LegModel> models;
   std::set<int> placed;
+  const JointTree tree(parsed_);
+  const auto take = [&](const YamlValue& values, std::string_view role) {
+    const YamlValue value = values.at(role);
+    const int body = moved_body(value, value.text());
+    if (!placed.insert(body).second) value.fail("each joint once", fmt::format("'{}' again", value.text()));
+    return body;
+  };
   for (const Leg leg : kLegs) {
     const YamlValue values = legs.at(name(leg));
     LegModel& model = models[leg];
@@ -133,6 +162,17 @@ void RobotBuilder::read_legs(const YamlValue& legs) {
       model.passive.resize(2, -1);
     } else {
       values.allow_keys({"abduction", "hip", "knee", "ankle", "foot"});
+      std::vector<std::pair<LegPart, int>> chain;
+      for (const auto& [part, role] : kChainRoles) {
+        if (values.find(role)) chain.emplace_back(part, moved_body(values.at(role), values.at(role).text()));
+      }
+      if (const auto closed = closed_chain_of(tree, chain)) {
+        for (const auto& [part, role] : kChainRoles) {
+          if (values.find(role)) take(values, role);
+        }
+        bodies[leg] = take_closed_chain(*closed, model);
+        continue;
+      }
       model.linkage = LegLinkage::kSerial;
       model.servos.resize(values.find("abduction") ? 3 : 2, -1);
       model.passive.resize(values.find("ankle") ? 1 : 0, -1);
@@ -143,14 +183,7 @@ void RobotBuilder::read_legs(const YamlValue& legs) {
         model.passive.resize(values.find("ankle") ? 2 : 1, -1);
       }
     }
-    for (const LegRole& role : model.roles()) {
-      const YamlValue value = values.at(role.name);
-      const int body = moved_body(value, value.text());
-      if (!placed.insert(body).second) {
-        value.fail("each joint once", fmt::format("'{}' again", value.text()));
-      }
-      bodies[leg].push_back(body);
-    }
+    for (const LegRole& role : model.roles()) bodies[leg].push_back(take(values, role.name));
   }
   order_bodies(std::move(models), bodies);
 }
@@ -159,9 +192,14 @@ void RobotBuilder::order_bodies(LegArray<LegModel> models, const LegArray<std::v
   std::vector<int> order{0};
   std::set<int> placed{0};
   for (const Leg leg : kLegs) {
-    for (std::size_t i = 0; i < legs[leg].size(); ++i) {
-      LegModel& model = models[leg];
-      const std::size_t servos = model.servos.size();
+    LegModel& model = models[leg];
+    const std::size_t servos = model.servos.size();
+    std::vector<std::size_t> roles(legs[leg].size());
+    std::iota(roles.begin(), roles.end(), 0);
+    // Of a closed chain a servo may hang on what a loop moves: as in the file, parents first.
+    if (model.linkage == LegLinkage::kClosedChain)
+      std::ranges::sort(roles, [&](std::size_t a, std::size_t b) { return legs[leg][a] < legs[leg][b]; });
+    for (const std::size_t i : roles) {
       (i < servos ? model.servos[i] : model.passive[i - servos]) = static_cast<int>(order.size()) - 1;
       order.push_back(legs[leg][i]);
       placed.insert(legs[leg][i]);

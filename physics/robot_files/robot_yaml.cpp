@@ -20,8 +20,12 @@ std::string yaml_legs(const RobotDescription& robot) {
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
     out += fmt::format("  {}:\n", name(leg));
-    for (const LegRole& role : model.roles())
-      out += fmt::format("    {}: {}\n", role.name, yaml_quoted(robot.joint(model.joint(role.name)).name));
+    const LegRoles roles = model.roles();
+    for (std::size_t i = 0; i < roles.size(); ++i) {
+      // Bars follow from the loops.
+      if (!model.parts.empty() && model.parts[i] == LegPart::kBar) continue;
+      out += fmt::format("    {}: {}\n", roles[i].name, yaml_quoted(robot.joint(model.joints()[i]).name));
+    }
     const Body& link = robot.bodies[static_cast<std::size_t>(model.foot_body)];
     out += fmt::format("    foot: {{link: {}, point: {}, radius: {}}}\n", yaml_quoted(link.name),
                        yaml_vector(model.p_BF), model.foot_radius);

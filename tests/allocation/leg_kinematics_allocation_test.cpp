@@ -23,9 +23,12 @@ LegKinematics serial_kinematics(bool has_abduction, const Vector3& knee_axis) {
 TEST(LegKinematicsAllocation, NoneOfAnyKind) {
   const Vector3 oblique = Vector3(0.1, 1, 0).normalized();
   const std::vector<LegKinematics> legs{make_leg_kinematics(*scenes::quadruped(), Leg::FL),
+                                        make_leg_kinematics(*scenes::four_bar_knees(), Leg::FL),
+                                        make_leg_kinematics(*scenes::pantographs(), Leg::FL),
                                         serial_kinematics(true, Vector3::UnitY()),
                                         serial_kinematics(false, Vector3::UnitY()),
-                                        serial_kinematics(true, oblique), serial_kinematics(false, oblique)};
+                                        serial_kinematics(true, oblique),
+                                        serial_kinematics(false, oblique)};
   double sum = 0;
   const AllocationScope scope;
   for (const LegKinematics& original : legs) {

@@ -42,7 +42,7 @@ TEST(SerialLegGeometry, SlightlySkewAxesCostWhatIsSaid) {
     const SerialLegGeometry straight = geometry(leg, test::serial_robot(leg));
     for (Vector3* axis : {&leg.abduction_axis, &leg.hip_axis, &leg.knee_axis}) {
       const Vector3 skew = axis->cross(test::random_direction(random)).normalized();
-      *axis = (*axis + 0.99 * kSerialAlignment * skew).normalized();
+      *axis = (*axis + 0.99 * kAxisAlignment * skew).normalized();
     }
     const SerialRobot made = test::serial_robot(leg, &random);
     const SerialLegGeometry g = geometry(leg, made);
@@ -51,7 +51,7 @@ TEST(SerialLegGeometry, SlightlySkewAxesCostWhatIsSaid) {
     EXPECT_LT((forward_serial(g, q) - forward_serial(straight, q)).norm(),
               1e-13);                                       // roundings of a dozen lengths
     const double largest = leg.thigh() + leg.shin() + 0.3;  // of a foot's distance from any of the joints
-    ASSERT_LT(error, 2 * kSerialAlignment * 3 * largest);
+    ASSERT_LT(error, 2 * kAxisAlignment * 3 * largest);
     worst = std::max(worst, error / largest);
   }
   EXPECT_GT(worst, 1e-5);  // the skew did something

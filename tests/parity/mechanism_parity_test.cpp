@@ -19,5 +19,15 @@ TEST_P(MatchedMechanisms, FiveBarsWithoutTiltsTrotAlike) {
   }
 }
 
+TEST_P(MatchedMechanisms, KneesAndAnklesOnBarsTrotAlike) {
+  for (const auto& robot : {scenes::four_bar_knees(), scenes::pantographs()}) {
+    SCOPED_TRACE(robot->name);
+    const Difference d = trot(scenes::world_of(robot), 2);
+    EXPECT_LT(d.position, kMostApart);
+    EXPECT_LT(d.joints, kMostApart);
+    EXPECT_GE(d.most_contacts, 2);
+  }
+}
+
 }  // namespace
 }  // namespace crossgait

@@ -23,9 +23,19 @@ std::optional<HalfLeg> half_of(const JointTree& tree, const std::string& link) {
   return HalfLeg{shoulder, elbow, tree.body(shoulder).parent};
 }
 
+/// Whether a lower link ends where it is joined to the other one, as at a foot: a shin goes on behind its
+/// rod.
+bool ends_at(const JointTree& tree, const HalfLeg& half, const std::string& link, const Vector3& joined) {
+  constexpr double kFoot = 1.35;  // of the way from the elbow: with a foot's radius
+  const double way = (tree.point_of(link, joined).value() - tree.origin(half.elbow)).norm();
+  return tree.reach_of(half.elbow) < kFoot * way;
+}
+
 std::optional<FoundLeg> five_bar_of(const JointTree& tree, const LinkLoop& loop) {
   const auto a = half_of(tree, loop.link_a), b = half_of(tree, loop.link_b);
   if (!a || !b || a->parent != b->parent || a->shoulder == b->shoulder) return std::nullopt;
+  if (!ends_at(tree, *a, loop.link_a, loop.p_a) || !ends_at(tree, *b, loop.link_b, loop.p_b))
+    return std::nullopt;
   for (const int body : {a->elbow, b->shoulder, b->elbow}) {
     if (std::abs(tree.axis(a->shoulder).dot(tree.axis(body))) < kParallel) return std::nullopt;
   }

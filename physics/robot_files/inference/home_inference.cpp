@@ -13,6 +13,7 @@
 #include "physics/robot/multibody.h"
 #include "physics/robot_files/inference/following_leg.h"
 #include "physics/robot_files/inference/robot_inference.h"
+#include "physics/robot_files/inference/standing_closed_leg.h"
 #include "physics/robot_files/inference/turn_within.h"
 
 namespace crossgait {
@@ -114,25 +115,38 @@ class PlanarLeg {
   double hip_sign_ = 1, knee_sign_ = 1;
 };
 
-/// A serial leg of either kind, as far as standing goes.
+/// A leg with a knee, of whichever kind, as far as standing goes.
 class StandingLeg {
  public:
   StandingLeg(const RobotDescription& robot, Leg leg) : planar_(robot, leg) {
-    if (!(*robot.legs)[leg].passive.empty()) following_.emplace(robot, leg, planar_.abduction());
+    const LegModel& model = (*robot.legs)[leg];
+    if (model.linkage == LegLinkage::kClosedChain) {
+      closed_.emplace(robot, leg, planar_.abduction());
+    } else if (!model.passive.empty()) {
+      following_.emplace(robot, leg, planar_.abduction());
+    }
   }
-  double hip_x() const { return following_ ? following_->hip_x() : planar_.hip_x(); }
-  LegLengths lengths() const { return following_ ? following_->lengths() : planar_.lengths(); }
+  double hip_x() const {
+    return closed_ ? closed_->hip_x() : following_ ? following_->hip_x() : planar_.hip_x();
+  }
+  LegLengths lengths() const {
+    return closed_ ? closed_->lengths() : following_ ? following_->lengths() : planar_.lengths();
+  }
+  /// Angles in the order of LegModel::joints(), of all of them or of those with a servo.
   std::optional<std::vector<double>> stand(double depth, double forward, int bend) {
+    if (closed_) return closed_->stand(depth, forward, bend);
     return following_ ? following_->stand(depth, forward, bend) : planar_.stand(depth, forward, bend);
   }
   /// How far ahead of the hip the foot is at the angles of `stand`, m. @param asked  `forward` of it
   double forward_at(const std::vector<double>& angles, double asked) {
+    if (closed_) return closed_->forward_at(angles);
     return following_ ? following_->forward_at(angles) : asked;
   }
 
  private:
   PlanarLeg planar_;
   std::optional<FollowingLeg> following_;
+  std::optional<StandingClosedLeg> closed_;
 };
 
 double centre_of_mass_x(const RobotDescription& robot, const JointVector& q) {
@@ -149,7 +163,8 @@ double centre_of_mass_x(const RobotDescription& robot, const JointVector& q) {
 }
 
 void set_leg(const LegModel& model, const std::vector<double>& angles, JointVector& q) {
-  for (std::size_t k = 0; k < angles.size(); ++k) q[model.servos[k]] = angles[k];
+  const std::vector<int> joints = model.joints();
+  for (std::size_t k = 0; k < angles.size(); ++k) q[joints[k]] = angles[k];
 }
 
 [[noreturn]] void fail_to_stand(const RobotDescription& robot, Leg leg, double height) {
@@ -174,8 +189,10 @@ HomePose find_home(const RobotDescription& robot, double height, std::vector<Inf
   home.q = JointVector::Zero(robot.joint_count());
   LegArray<int> bends{};
   LegArray<double> forward{};  // of the feet, which legs of which the knee follows do not choose
+  std::vector<StandingLeg> legs;
+  for (const Leg leg : kLegs) legs.emplace_back(robot, leg);
   const auto stand = [&](Leg leg) {
-    StandingLeg standing(robot, leg);
+    StandingLeg& standing = legs[index(leg)];
     for (const int bend : {-1, 1}) {
       const auto angles = standing.stand(height, home.forward, bend);
       if (!angles) continue;

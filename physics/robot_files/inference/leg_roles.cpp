@@ -68,6 +68,38 @@ std::optional<Wheel> wheel_of(const ParsedRobot& robot, int index) {
   return wheel;
 }
 
+int LegJoints::knee() const {
+  if (linkage == LegLinkage::kClosedChain) {
+    const auto place = static_cast<std::size_t>(std::ranges::find(parts, LegPart::kKnee) - parts.begin());
+    return place < servos.size() ? servos[place] : followers[place - servos.size()];
+  }
+  return linkage == LegLinkage::kKneeFollows ? followers.front() : servos.back();
+}
+
+std::optional<LegJoints> closed_chain_of(const JointTree& tree,
+                                         const std::vector<std::pair<LegPart, int>>& chain) {
+  std::vector<int> bodies;
+  bool is_closed = false, has_follower = false;
+  for (const auto& [part, body] : chain) {
+    bodies.push_back(body);
+    is_closed |= tree.is_moved_by_loop(body) || (has_follower && !tree.follows(body));
+    has_follower |= part == LegPart::kKnee && tree.follows(body);
+  }
+  std::vector<std::pair<LegPart, int>> all = chain;
+  for (const int bar : tree.bars_of(bodies)) all.emplace_back(LegPart::kBar, bar);
+  if (!is_closed && all.size() == chain.size()) return std::nullopt;
+  LegJoints leg;
+  leg.linkage = LegLinkage::kClosedChain;
+  for (const bool follows : {false, true}) {
+    for (const auto& [part, body] : all) {
+      if (tree.follows(body) != follows) continue;
+      (follows ? leg.followers : leg.servos).push_back(body);
+      leg.parts.push_back(part);
+    }
+  }
+  return leg;
+}
+
 std::optional<LegJoints> roles_of(const JointTree& tree, const JointChain& chain, const Vector3& up) {
   LegJoints leg;
   std::vector<int> joints = chain.bodies;
@@ -87,17 +119,32 @@ std::optional<LegJoints> roles_of(const JointTree& tree, const JointChain& chain
   }
   const bool knee_follows = abduction >= 0 && tree.follows(knee);
   bool has_ankle = false, is_behind = false;
+  std::vector<std::pair<LegPart, int>> parts;
   for (const int joint : joints) {
     const bool has_role = joint == hip || joint == knee || joint == abduction;
-    const bool is_ankle = is_behind && !has_ankle && tree.follows(joint);
-    const bool follows = is_ankle || (joint == knee && knee_follows);
-    (follows ? leg.followers : has_role ? leg.servos : leg.held).push_back(joint);
+    // Behind a knee that follows, what has a servo moves the foot in the place of the knee.
+    const bool stands_in =
+        knee_follows && !tree.is_moved_by_loop(knee) && std::ranges::find(plane, joint) != plane.end();
+    const bool is_ankle = is_behind && !has_ankle && (tree.follows(joint) || stands_in);
+    const bool follows = (is_ankle && tree.follows(joint)) || (joint == knee && knee_follows);
+    (follows ? leg.followers : has_role || is_ankle ? leg.servos : leg.held).push_back(joint);
+    if (has_role || is_ankle)
+      parts.emplace_back(joint == hip    ? LegPart::kHip
+                         : joint == knee ? LegPart::kKnee
+                         : is_ankle      ? LegPart::kAnkle
+                                         : LegPart::kAbduction,
+                         joint);
     has_ankle |= is_ankle;
     is_behind |= joint == knee;
   }
+  if (leg.held.size() > kMostHeld) return std::nullopt;
+  if (auto closed = closed_chain_of(tree, parts)) {
+    closed->held = leg.held;
+    return closed;
+  }
   if (abduction >= 0 && leg.servos.front() == hip) leg.linkage = LegLinkage::kHipFirst;
   if (knee_follows) leg.linkage = LegLinkage::kKneeFollows;
-  return leg.held.size() > kMostHeld ? std::nullopt : std::optional(leg);
+  return leg;
 }
 
 }  // namespace crossgait

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "physics/robot_files/inference/leg_tree.h"
@@ -27,15 +28,22 @@ struct LegJoints {
   std::vector<int>
       followers;          ///< a knee that follows, and the joint behind the knee that does; or both elbows
   std::vector<int> held;  ///< the others: wheels, ankles, a second joint of the hip
+  std::vector<LegPart> parts;  ///< of a closed chain, what servos, then followers are: cranks and rods too
 
-  int knee() const { return linkage == LegLinkage::kKneeFollows ? followers.front() : servos.back(); }
+  int knee() const;
 };
+
+/// Makes a closed chain of these joints from base to foot, if a loop moves any of them or joins bars to them,
+/// or if one with a servo is behind one that follows.
+std::optional<LegJoints> closed_chain_of(const JointTree& tree,
+                                         const std::vector<std::pair<LegPart, int>>& chain);
 
 /// Finds hip and knee: the first two of the joints that are parallel (to 37 degrees): of several directions
 /// that of most joints, of two such that of joints in a row. The abduction is what turns them aside: the
 /// joint of another direction before the knee; of two that which turns least about the vertical of the hips,
-/// `up`. The first joint behind the knee that follows another one moves along with it. Whatever else there
-/// is, is held.
+/// `up`. The first joint behind the knee that follows another one moves along with it; behind a knee that
+/// follows, the first one parallel to it moves the foot instead. Whatever else there is, is held. Where loops
+/// move any of these it is a closed chain, and has their bars besides.
 /// @returns nothing where no two joints are parallel, or more than two would be held
 std::optional<LegJoints> roles_of(const JointTree& tree, const JointChain& chain, const Vector3& up);
 

@@ -205,6 +205,9 @@ const char* why_a_leg(LegLinkage linkage) {
     return "one of four alike branches of the base, by the quadrant of its hip; the joint between hip and "
            "knee "
            "turns it aside";
+  if (linkage == LegLinkage::kClosedChain)
+    return "one of four alike branches of the base, by the quadrant of its hip; loops of the file move its "
+           "joints without a servo, by the bars beside it";
   return "one of four alike branches of the base, by the quadrant of its hip";
 }
 
@@ -268,14 +271,14 @@ LegSearch find_legs(const ParsedRobot& robot, const std::string& source, const s
     for (const int body : joints.servos) chain.joints.push_back(tree.joint(body).name);
     for (const int body : joints.followers) chain.joints.push_back(tree.joint(body).name);
     chain.followers = joints.followers.size();
+    chain.parts = joints.parts;
     used.insert(chain.joints.begin(), chain.joints.end());
     for (const int body : joints.held) {
       chain.held[tree.joint(body).name] = held_angle(robot, tree.joint(body));
       used.insert(tree.joint(body).name);
     }
     const int last = placed.legs[leg]->chain.bodies.back();
-    const bool has_role = joints.linkage == LegLinkage::kFiveBar || joints.servos.back() == last ||
-                          (!joints.followers.empty() && joints.followers.back() == last);
+    const bool has_role = std::ranges::find(chain.joints, tree.joint(last).name) != chain.joints.end();
     const auto wheel = has_role ? std::nullopt : wheel_of(robot, last);
     if (wheel) chain.wheel = {tree.joint(last).name, tree.body(last).name, wheel->centre, wheel->radius};
     inferred.push_back({fmt::format("legs.{}", name(leg)), fmt::format("{}", fmt::join(chain.joints, ", ")),

@@ -29,6 +29,7 @@ struct FoundChain {
   LegLinkage linkage = LegLinkage::kSerial;
   std::vector<std::string> joints;     ///< those with a role, servos from the base outwards, then followers
   std::size_t followers = 0;           ///< how many of them follow: a knee, an ankle; a five-bar's elbows
+  std::vector<LegPart> parts;          ///< of a closed chain, what each of them is
   std::map<std::string, double> held;  ///< the others, and at which angle, rad
   std::optional<HeldWheel> wheel;
 };

@@ -90,7 +90,9 @@ void MjcfContact::read_option(const MjcfElement& option) {
   if (option.has("cone")) options_.cone = option.attribute("cone");
   if (option.has("integrator")) options_.integrator = option.attribute("integrator");
   for (const MjcfElement& flag : option.children) {
-    if (flag.tag == "flag" && flag.attribute("override") == "enable") override_ = option;
+    if (flag.tag != "flag") continue;
+    if (flag.attribute("override") == "enable") override_ = option;
+    if (flag.attribute("eulerdamp") == "disable") options_.has_explicit_dampers = true;
   }
 }
 

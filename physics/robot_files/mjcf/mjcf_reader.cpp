@@ -312,6 +312,19 @@ ParsedRobot merge_play(ParsedRobot robot, ReaderWarnings& warnings) {
   return play.empty() ? robot : lock_joints(std::move(robot), play);
 }
 
+/// MuJoCo's integrators but RK4 take the damping of joints at a step's end (mj_Euler, mj_implicit).
+void take_damping_law(ParsedRobot& robot) {
+  const std::string integrator = robot.contact.integrator.value_or("Euler");
+  if (integrator == "RK4" || (integrator == "Euler" && robot.contact.has_explicit_dampers)) return;
+  for (Body& body : robot.bodies) {
+    Joint& joint = body.joint;
+    if (!(joint.damping > 0)) continue;
+    joint.implicit_joint_damping = 1;
+    robot.reasons[joint.name]["implicit_joint_damping"] = fmt::format(
+        "the file's integrator, {}{}", integrator, robot.contact.integrator ? "" : ", MuJoCo's default");
+  }
+}
+
 /// Notes which of the robot's joints are held; others are of what was left out.
 void hold_joints(const std::map<std::string, double>& angles, ParsedRobot& robot, ReaderWarnings& warnings) {
   for (std::size_t i = 1; i < robot.bodies.size(); ++i) {
@@ -345,6 +358,8 @@ ParsedRobot read_mjcf(const std::string& path) {
   for (NamedCoupling& coupling : robot.couplings) refer_to_zero(coupling, references, path);
   robot.contact = contact.read(document.root());
   drive_joints(actuators, forces, model, path, robot, warnings);
+  for (const MjcfActuator& actuator : actuators) robot.servos.insert(actuator.joint);
+  take_damping_law(robot);
   robot = merge_play(std::move(robot), warnings);
   hold_joints(held_angles(couplings.held, references, path), robot, warnings);
   robot.warnings = warnings.sentences();

@@ -28,6 +28,7 @@ Joint* find_joint(const std::string& name, ParsedRobot& robot) {
 void read_gains_of(const SdfElement& plugin, const std::string& place, Joint& joint, ParsedRobot& robot) {
   joint.kp = sdf_size(plugin, "p_gain", kUsualP);
   joint.kd = sdf_size(plugin, "d_gain", kUsualD);
+  robot.servos.insert(joint.name);
   auto& reasons = robot.reasons[joint.name];
   reasons["kp"] = fmt::format("p_gain of {}", place);
   reasons["kd"] = fmt::format("d_gain of {}", place);
