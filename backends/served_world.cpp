@@ -11,6 +11,7 @@
 #include "backends/served_memory.h"
 #include "physics/engine/lost_engine.h"
 #include "physics/engine/step_equations.h"
+#include "physics/robot/actuator.h"
 #include "physics/robot/multibody.h"
 
 namespace crossgait {
@@ -95,8 +96,12 @@ class ServedWorld final : public PhysicsBackend, public LosableWorld {
 
   Eigen::MatrixXd do_mass_matrix() const override {
     const Eigen::Index size = robot().joint_count() + (spec().fixed_base ? 0 : 6);
-    if (!engine_->answers("mass_matrix"))
-      return crossgait::mass_matrix(robot(), now_).bottomRightCorner(size, size);
+    if (!engine_->answers("mass_matrix")) {
+      Eigen::MatrixXd M = crossgait::mass_matrix(robot(), now_);
+      for (int i = 0; i < robot().joint_count(); ++i)
+        M(6 + i, 6 + i) += step_armature(robot().joint(i), spec().physics_dt) - robot().joint(i).armature;
+      return M.bottomRightCorner(size, size);
+    }
     const Eigen::VectorXd numbers = answer(ServedRequest::kMassMatrix, "mass_matrix", size * size);
     return numbers.reshaped<Eigen::RowMajor>(size, size);
   }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "backends/served_engine.h"
+#include "physics/robot/actuator.h"
 #include "physics/robot/contact_json.h"
 #include "physics/robot/robot_members.h"
 
@@ -54,6 +55,12 @@ Json json_of(const T& value) {
 }  // namespace
 
 std::string served_world_text(const WorldSpec& spec) {
+  RobotDescription robot = *spec.robot;
+  // A damper that acts on the speed at a step's end is armature to who makes the step.
+  for (Body& body : robot.bodies) {
+    body.joint.armature = step_armature(body.joint, spec.physics_dt);
+    body.joint.implicit_joint_damping = 0;
+  }
   Json contact = Json::object();
   for (const ContactSetting& setting : contact_settings())
     contact[std::string(setting.name)] = to_json(setting, setting.get(spec.contact));
@@ -65,7 +72,7 @@ std::string served_world_text(const WorldSpec& spec) {
     ground["size_x"] = field->size_x();
     ground["size_y"] = field->size_y();
   }
-  return Json{{"robot", json_of(*spec.robot)},
+  return Json{{"robot", json_of(robot)},
               {"terrain", std::move(ground)},
               {"physics_dt", spec.physics_dt},
               {"gravity", json_of(spec.gravity)},

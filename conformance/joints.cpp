@@ -51,6 +51,35 @@ std::vector<double> armature(const Subject& subject) {
   return {std::abs(scenes::pendulum_period(subject.engine, heavy, 1e-3, 1e-3, 3) / plain - 2)};
 }
 
+// J (v' - v) = -h d ((1 - s) v + s v'), with a damper that an explicit step would let go through zero: h d >
+// 2 J.
+std::vector<double> damping_at_the_end(const Subject& subject) {
+  std::vector<double> worst;
+  for (const double share : {1.0, 0.5}) {
+    const ArmLink link{.armature = 4e-3, .damping = share == 1 ? 45.0 : 1.0};
+    RobotDescription robot = *scenes::arm({link});
+    robot.bodies[1].joint.implicit_joint_damping = share;
+    WorldSpec spec = scenes::world_of(std::make_shared<const RobotDescription>(robot));
+    spec.fixed_base = true;
+    spec.gravity = Vector3::Zero();
+    const auto world = subject.make(spec);
+    RobotState state = world->state();
+    state.qd[0] = 1;
+    world->reset(state);
+    const double J = link.joint_inertia(), hd = spec.physics_dt * link.damping;
+    double v = 1, q = state.q[0];
+    worst.push_back(0);
+    for (int i = 0; i < 100; ++i) {
+      v *= (J - (1 - share) * hd) / (J + share * hd);
+      q += spec.physics_dt * v;
+      advance(*world, {});
+      worst.back() =
+          std::max({worst.back(), std::abs(world->state().qd[0] - v), std::abs(world->state().q[0] - q)});
+    }
+  }
+  return worst;
+}
+
 std::vector<double> damping(const Subject& subject) {
   const ArmLink link{.damping = 0.02};
   const auto world = make_arm(subject, scenes::arm({link}));
@@ -201,6 +230,11 @@ std::vector<Check> pendulum_checks() {
        "Armature is inertia without weight",
        {at_most(1e-5, "period with four times the inertia, off twice", "", "(w h)^2 / 24 differs by 1e-6")},
        armature},
+      {"joint_damping_at_the_end",
+       "What a damper does on the speed at which a step ends is that",
+       {rounds_to(1e3, "speed or angle off, all of it, of 1 rad/s", "rad/s", "100 steps of rounding"),
+        rounds_to(1e3, "the same, half of it", "rad/s", "as above")},
+       damping_at_the_end},
       {"joint_damping",
        "Damping is that of the description and nothing beside it",
        {at_most(1, "off the damped oscillation, share of amplitude, over w h", "",

@@ -219,9 +219,9 @@ class Quantities {
     if (file.noslip_iterations)
       add("world", "noslip_iterations", "", *file.noslip_iterations, 0.0, "not simulated");
     add("world", "integrator", "", word(file.integrator), std::string("Euler"),
-        "semi-implicit in every engine; servos as implicit_stiffness and implicit_damping have them, damping "
-        "of "
-        "joints explicit");
+        "semi-implicit in every engine; servos as implicit_stiffness and implicit_damping have them, joints "
+        "as "
+        "implicit_joint_damping");
     add("world", "cone", "", word(file.cone), std::string(crossgait::name(world_.contact.cone)),
         file.cone == crossgait::name(world_.contact.cone) ? kOfFile : "the world's");
     add("world", "impratio", "", number(file.impratio), world_.contact.impratio,

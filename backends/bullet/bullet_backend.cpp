@@ -4,6 +4,7 @@
 
 #include "backends/bullet/collision_world.h"
 #include "backends/bullet/convert.h"
+#include "physics/robot/actuator.h"
 #include "physics/robot/principal_inertia.h"
 
 namespace crossgait::bullet {
@@ -151,7 +152,8 @@ class BulletBackend final : public PhysicsBackend {
     }
     Eigen::MatrixXd result = S.transpose() * M * S;
     for (int i = 0; i < b.getNumLinks(); ++i)
-      result(size - b.getNumLinks() + i, size - b.getNumLinks() + i) += spec().robot->joint(i).armature;
+      result(size - b.getNumLinks() + i, size - b.getNumLinks() + i) +=
+          step_armature(spec().robot->joint(i), spec().physics_dt);
     return result;
   }
 

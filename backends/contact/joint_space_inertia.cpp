@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/robot/actuator.h"
+
 namespace crossgait::contact {
 
-JointSpaceInertia::JointSpaceInertia(const RobotDescription& robot, bool fixed_base)
+JointSpaceInertia::JointSpaceInertia(const RobotDescription& robot, bool fixed_base, double h)
     : armature_(robot.joint_count()), n_(6 + robot.joint_count()), first_(fixed_base ? 6 : 0) {
   for (int i = 0; i < 6; ++i) parent_[static_cast<std::size_t>(i)] = i - 1;
   for (int i = 0; i < robot.joint_count(); ++i) {
     const int parent = robot.bodies[static_cast<std::size_t>(i) + 1].parent;
-    armature_[i] = robot.joint(i).armature;
+    armature_[i] = step_armature(robot.joint(i), h);
     // What the base carries hangs on its last dof; under a fixed base it is a root.
     parent_[static_cast<std::size_t>(6 + i)] = parent > 0 ? 5 + parent : (first_ == 6 ? -1 : 5);
   }

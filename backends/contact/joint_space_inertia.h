@@ -14,11 +14,12 @@ inline constexpr int kMaxDofs = 6 + kMaxJoints;
 using DofVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDofs, 1>;
 using PointJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxDofs>;
 
-/// Factors M = M0 + diag(armature) as L^T D L along the tree (Featherstone 2008, section 6.5). M0 is the
+/// Factors M = M0 + diag(step_armature) as L^T D L along the tree (Featherstone 2008, section 6.5). M0 is the
 /// engine's: it fills the lower triangle, and calls `factor`.
 class JointSpaceInertia {
  public:
-  JointSpaceInertia(const RobotDescription& robot, bool fixed_base);
+  /// @param h  physics step, s
+  JointSpaceInertia(const RobotDescription& robot, bool fixed_base, double h);
 
   /// Returns an entry of M0, row >= column. Of joints only those are read whose bodies carry one another:
   /// `parent` leads from row to column.

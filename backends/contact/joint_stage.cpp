@@ -8,7 +8,7 @@
 namespace crossgait::contact {
 
 JointStage::JointStage(const WorldSpec& spec, const BodyKinematics& bodies)
-    : inertia_(*spec.robot, spec.fixed_base),
+    : inertia_(*spec.robot, spec.fixed_base, spec.physics_dt),
       bodies_(bodies),
       law_(spec.robot->loop_softness, spec.physics_dt),
       step_(spec.physics_dt) {

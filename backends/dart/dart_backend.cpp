@@ -9,6 +9,7 @@
 #include "backends/contact/contact_stage.h"
 #include "backends/dart/law.h"
 #include "backends/dart/skeleton_model.h"
+#include "physics/robot/actuator.h"
 
 namespace crossgait::dart {
 namespace {
@@ -165,7 +166,7 @@ class DartBackend final : public PhysicsBackend {
   }
 
   Eigen::MatrixXd do_mass_matrix() const override {
-    contact::JointSpaceInertia inertia(robot(), spec().fixed_base);
+    contact::JointSpaceInertia inertia(robot(), spec().fixed_base, spec().physics_dt);
     model_.bare_inertia(inertia);
     const int first = inertia.first_dof();
     const Eigen::Index size = inertia.dofs() - first;
@@ -181,7 +182,7 @@ class DartBackend final : public PhysicsBackend {
     }
     Eigen::MatrixXd result = S.transpose() * M * S;
     for (int i = 0; i < robot().joint_count(); ++i)
-      result(6 - first + i, 6 - first + i) += robot().joint(i).armature;
+      result(6 - first + i, 6 - first + i) += step_armature(robot().joint(i), spec().physics_dt);
     return result;
   }
 

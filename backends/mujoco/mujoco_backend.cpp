@@ -13,6 +13,7 @@
 #include "backends/mujoco/model_xml.h"
 #include "backends/mujoco/terrain_collision.h"
 #include "backends/mujoco/version.h"
+#include "physics/robot/actuator.h"
 #include "physics/robot/principal_inertia.h"
 
 namespace crossgait::mujoco {
@@ -99,6 +100,8 @@ class MujocoBackend final : public PhysicsBackend {
       const int joint = mj_name2id(&m, mjOBJ_JOINT, joint_name(i).c_str());
       q_address_.push_back(m.jnt_qposadr[joint]);
       v_address_.push_back(m.jnt_dofadr[joint]);
+      // After MuJoCo has its inverse weights, which it has without what dampers add.
+      model_->dof_armature[v_address_.back()] = step_armature(robot().joint(i), spec().physics_dt);
       servo_tendons_.push_back(mj_name2id(&m, mjOBJ_TENDON, servo_name(i).c_str()));
     }
     servo_accelerations_.resize(static_cast<std::size_t>(m.ntendon));

@@ -110,7 +110,8 @@ void ArticulationModel::add_joint(const Body& body, std::size_t i) {
   joint.setChildPose(transform(joint_frame(X_BP_[i].inverse(), body.joint.axis)));
   joint.setFrictionCoefficient(0);  // of loads, not a torque
   joint.setMaxJointVelocity(kNoLimit);
-  joint.setArmature(px::PxArticulationAxis::eTWIST, static_cast<float>(body.joint.armature));
+  joint.setArmature(px::PxArticulationAxis::eTWIST,
+                    static_cast<float>(step_armature(body.joint, spec_.physics_dt)));
   if (body.joint.friction > 0 && is_implicit(body.joint))
     throw ConfigError(spec_.robot->source.empty() ? spec_.robot->name : spec_.robot->source,
                       fmt::format("joint '{}'", body.joint.name),

@@ -1,8 +1,11 @@
 #include "dynamics.h"
 
+#include <crossgait/physics/robot/actuator.h>
+
 namespace crossgait::skeleton {
 
-Dynamics::Dynamics(const RobotDescription& robot) : robot_(robot), links_(robot.bodies.size()) {
+Dynamics::Dynamics(const RobotDescription& robot, double physics_dt)
+    : robot_(robot), physics_dt_(physics_dt), links_(robot.bodies.size()) {
   const Eigen::Index dofs = 6 + robot.joint_count();
   velocity_.setZero(dofs);
   bias_.setZero(dofs);
@@ -51,7 +54,7 @@ void Dynamics::compute_mass_matrix() noexcept {
     const Vector6 force = links_[i].composite * motion(links_[i]);
     M_.block<1, 6>(dof(i), 0) = force.transpose();
     for (std::size_t j = i; j > 0; j = parent(j)) M_(dof(i), dof(j)) = motion(links_[j]).dot(force);
-    M_(dof(i), dof(i)) += robot_.bodies[i].joint.armature;
+    M_(dof(i), dof(i)) += step_armature(robot_.bodies[i].joint, physics_dt_);
   }
   M_.topLeftCorner<6, 6>() = links_[0].composite;
   M_.triangularView<Eigen::StrictlyUpper>() = M_.transpose();

@@ -20,7 +20,8 @@ using PointJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxDofs>;
 class Dynamics {
  public:
   /// @param robot  has to outlive it
-  explicit Dynamics(const RobotDescription& robot);
+  /// @param physics_dt  s, by which dampers that act on the speed at a step's end count (step_armature)
+  Dynamics(const RobotDescription& robot, double physics_dt);
 
   /// Computes every quantity below for a state. @param gravity  m/s^2
   void update(const RobotState& state, const Vector3& gravity) noexcept;
@@ -57,6 +58,7 @@ class Dynamics {
   Vector6 motion(const Link& link) const;
 
   const RobotDescription& robot_;
+  double physics_dt_;
   std::vector<Link> links_;
   DofVector velocity_, bias_;
   DofMatrix M_;

@@ -32,7 +32,11 @@ EngineInfo make_info(const std::string& version) {
 class SkeletonBackend final : public PhysicsBackend {
  public:
   SkeletonBackend(const WorldSpec& world, EngineInfo info)
-      : PhysicsBackend(world), info_(std::move(info)), dynamics_(robot()), loops_(spec()), contacts_(spec()) {
+      : PhysicsBackend(world),
+        info_(std::move(info)),
+        dynamics_(robot(), spec().physics_dt),
+        loops_(spec()),
+        contacts_(spec()) {
     reset();
   }
 
@@ -96,14 +100,14 @@ class SkeletonBackend final : public PhysicsBackend {
     return terrain.contains(x, y) ? terrain.height(x, y) : std::numeric_limits<double>::quiet_NaN();
   }
   Pose do_body_pose(int body) const override {
-    Dynamics dynamics(robot());
+    Dynamics dynamics(robot(), spec().physics_dt);
     dynamics.update(now_, spec().gravity);
     return dynamics.pose(body);
   }
   // Asked for of the base's origin instead of its centre of mass: v_WC = v_WB + w x p_BC.
   Eigen::MatrixXd do_mass_matrix() const override {
     if (spec().fixed_base && robot().joint_count() == 0) return {};
-    Dynamics dynamics(robot());
+    Dynamics dynamics(robot(), spec().physics_dt);
     dynamics.update(now_, spec().gravity);
     const DofMatrix& M = dynamics.mass_matrix();
     Eigen::MatrixXd S = Eigen::MatrixXd::Identity(M.rows(), M.cols());

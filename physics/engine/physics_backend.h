@@ -162,8 +162,8 @@ class PhysicsBackend {
   double terrain_height(double x, double y) const { return do_terrain_height(x, y); }
   /// Returns the pose of a body in W as the engine has it now. `body` indexes RobotDescription::bodies.
   Pose body_pose(int body) const;
-  /// Returns the joint-space inertia of engine bodies plus armature; rows and columns [v_WB, w_WB, qd] (6 +
-  /// joints), or the joints alone for a fixed base. kg, kg m, kg m^2.
+  /// Returns the joint-space inertia that a step has, of engine bodies plus step_armature (actuator.h); rows
+  /// and columns [v_WB, w_WB, qd] (6 + joints), or the joints alone for a fixed base. kg, kg m, kg m^2.
   Eigen::MatrixXd mass_matrix() const { return do_mass_matrix(); }
   /// Returns mass properties as the engine holds them, in the frame of RobotDescription.
   SpatialInertia body_inertia(int body) const;

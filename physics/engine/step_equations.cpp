@@ -1,5 +1,7 @@
 #include "physics/engine/step_equations.h"
 
+#include "physics/robot/actuator.h"
+
 namespace crossgait {
 namespace {
 
@@ -77,7 +79,9 @@ void StepEquations::add_bodies(const RobotState& state) {
     M_.noalias() += inertia.mass * J_v.transpose() * J_v + J_w.transpose() * I_W * J_w;
     bias_.noalias() += J_v.transpose() * (inertia.mass * (a_C - spec_.gravity)) +
                        J_w.transpose() * (I_W * drifts[i].alpha + w.cross(I_W * w));
-    if (i > 0) M_(static_cast<Eigen::Index>(i) + 5, static_cast<Eigen::Index>(i) + 5) += body.joint.armature;
+    if (i > 0)
+      M_(static_cast<Eigen::Index>(i) + 5, static_cast<Eigen::Index>(i) + 5) +=
+          step_armature(body.joint, spec_.physics_dt);
   }
 }
 

@@ -204,6 +204,7 @@ std::string_view joint_number_group(const JointNumber& number) noexcept {
   if (is(&Joint::effort_limit, &Joint::effort_negative, &Joint::corner_speed, &Joint::no_load_speed))
     return "effort";
   if (is(&Joint::implicit_stiffness, &Joint::implicit_damping)) return "servo law";
+  if (is(&Joint::damping, &Joint::implicit_joint_damping)) return "damping";
   if (is(&Joint::stiffness)) return "springs";
   if (is(&Joint::friction)) return "dry friction";
   return number.of == JointNumberOf::kDrive ? "drives" : number.name;

@@ -52,7 +52,17 @@ inline double clip_target(const Joint& joint, double target) noexcept {
   return std::clamp(std::clamp(target, joint.target_lower, joint.target_upper), joint.lower, joint.upper);
 }
 
-/// Returns the torque of what a joint has but a servo, N m: -damping qd - stiffness (q - spring_reference).
+/// Returns what a step of h s accelerates in a joint besides its bodies, kg m^2: its armature, and of a
+/// damper d that acts in a share s on the speed at which the step ends, s d h: from I (v' - v) = h (tau - d
+/// ((1 - s) v + s v')) comes (I + s d h) (v' - v) = h (tau - d v). All of it is MuJoCo's joint damping
+/// (mj_Euler, mj_implicit), but that here contacts are solved with it and there before it.
+inline double step_armature(const Joint& joint, double h) noexcept {
+  return joint.armature + joint.implicit_joint_damping * joint.damping * h;
+}
+
+/// Returns the torque of what a joint has but a servo at a step's beginning, N m:
+/// -damping qd - stiffness (q - spring_reference). What a damper does on the speed at its end is
+/// step_armature's.
 inline double passive_torque(const Joint& joint, double q, double qd) noexcept {
   return -joint.damping * qd - joint.stiffness * (q - joint.spring_reference);
 }

@@ -41,6 +41,8 @@ inline constexpr std::array kJointNumbers{
     JointNumber{"implicit_damping", "-", &Joint::implicit_damping, JointNumberOf::kServo, 1, false,
                 "implicit_damping, a share"},
     JointNumber{"damping", "N m s/rad", &Joint::damping, JointNumberOf::kJoint, kLargestGain},
+    JointNumber{"implicit_joint_damping", "-", &Joint::implicit_joint_damping, JointNumberOf::kJoint, 1,
+                false, "implicit_joint_damping, a share"},
     JointNumber{"stiffness", "N m/rad", &Joint::stiffness, JointNumberOf::kJoint, kLargestGain},
     JointNumber{"armature", "kg m^2", &Joint::armature, JointNumberOf::kJoint, kLargestInertia},
     JointNumber{"friction", "N m", &Joint::friction, JointNumberOf::kJoint, kLargestGain},
@@ -55,7 +57,8 @@ inline constexpr std::array kJointNumbers{
 /// Tells whether a number is of something that a joint does without unless it is said.
 constexpr bool is_off_at_zero(const JointNumber& number) noexcept {
   return number.of == JointNumberOf::kDrive || number.member == &Joint::effort_negative ||
-         number.member == &Joint::implicit_stiffness || number.member == &Joint::implicit_damping;
+         number.member == &Joint::implicit_stiffness || number.member == &Joint::implicit_damping ||
+         number.member == &Joint::implicit_joint_damping;
 }
 
 /// A row says when in a step a servo law looks at the joint, by a simulator's name for it.

@@ -22,7 +22,8 @@ bool tells_robots_apart(const MemberPath& path) {
 
 // Robots keep the identity that they had before there were these: where they are off they say nothing.
 bool was_added_later(const MemberPath& path) {
-  return path.name == "implicit_stiffness" || path.name == "implicit_damping";
+  return path.name == "implicit_stiffness" || path.name == "implicit_damping" ||
+         path.name == "implicit_joint_damping";
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ std::optional<ServoLoop> stiffest_servo_loop(const RobotDescription& robot, doub
     const double kp = joint.stiffness + (joint.actuated ? joint.kp : 0);
     const double kd = joint.damping + (joint.actuated ? joint.kd : 0);
     loop[i] = kd * dt + kp * dt * dt / 2;
+    inertia(6 + i, 6 + i) += step_armature(joint, dt) - joint.armature;
     if (!is_implicit(joint)) continue;
     inertia(6 + i, 6 + i) += servo_inertia(joint, dt);
     loop[i] += joint.implicit_stiffness * joint.kp * dt * dt;

@@ -70,6 +70,19 @@ TEST_F(MjcfServos, AreDampedAtAStepsEndUnderImplicitIntegrators) {
   EXPECT_EQ(hip(servo).implicit_damping, 0);
 }
 
+TEST_F(MjcfServos, JointsAreDampedAtAStepsEndUnlessTheFileHasItOtherwise) {
+  const std::string compiler = compiler_;
+  const auto share = [&](const std::string& option, const char* joint = R"(damping="2")") {
+    compiler_ = compiler + option;
+    return hip(R"(<position joint="FL_hip" kp="60"/>)", joint).implicit_joint_damping;
+  };
+  EXPECT_EQ(share(""), 1) << "Euler's default";
+  EXPECT_EQ(share("", ""), 0) << "nothing is damped";
+  EXPECT_EQ(share(R"(<option integrator="implicitfast"/>)"), 1);
+  EXPECT_EQ(share(R"(<option integrator="RK4"/>)"), 0);
+  EXPECT_EQ(share(R"(<option><flag eulerdamp="disable"/></option>)"), 0);
+}
+
 TEST_F(MjcfServos, LimitsCountWhereTheyAreLimits) {
   const std::string motor = R"(<motor joint="FL_hip" ctrlrange="-35 35" ctrllimited="false"/>)";
   EXPECT_EQ(hip(motor).effort_limit, 0);

@@ -109,6 +109,7 @@ std::vector<Planted> of_model_and_motion() {
       {"pendulum_large_swings", of_gravity(1.01)},
       {"armature", of_joints(&Joint::armature, 1.001)},
       {"joint_damping", damping},
+      {"joint_damping_at_the_end", of_joints(&Joint::implicit_joint_damping, 0.99)},
       {"double_pendulum", damping},
       {"servo_step", of_joints(&Joint::kp, 1.02)},
       {"servo_load", of_joints(&Joint::kp, 1.02)},

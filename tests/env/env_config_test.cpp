@@ -132,7 +132,8 @@ TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
   EXPECT_EQ(
       complaint("servos: {ki: 2}\n"),
       "env.yaml: line 1, servos.ki: expected one of the keys kp, kd, effort, effort_negative, "
-      "implicit_stiffness, implicit_damping, damping, stiffness, armature, friction, corner_speed, "
+      "implicit_stiffness, implicit_damping, damping, implicit_joint_damping, stiffness, armature, friction, "
+      "corner_speed, "
       "no_load_speed, backlash, delay, lag, sensor_noise, law, found unknown key 'ki' (did you mean kp?)");
   EXPECT_EQ(complaint("observation: [{block: gravity, gain: 2}]\n"),
             "env.yaml: line 1, observation[0].gain: expected one of the keys block, scale, clip, "

@@ -20,7 +20,7 @@ struct Machine {
       : spec(scenes::world_of(robot)),
         model((spec.fixed_base = fixed, spec)),
         composite(model.body()),
-        inertia(*robot, fixed) {
+        inertia(*robot, fixed, spec.physics_dt) {
     const RobotState state = scenes::random_state(*robot, random);
     btMultiBody& body = model.body();
     body.setBasePos(vector(state.p_WB));

@@ -16,7 +16,9 @@ using contact::PointJacobian;
 /// A robot of DART's in a random pose, moving.
 struct Machine {
   Machine(const scenes::RobotPtr& robot, bool fixed, std::mt19937& random)
-      : spec(scenes::world_of(robot)), model((spec.fixed_base = fixed, spec)), inertia(*robot, fixed) {
+      : spec(scenes::world_of(robot)),
+        model((spec.fixed_base = fixed, spec)),
+        inertia(*robot, fixed, spec.physics_dt) {
     const RobotState state = scenes::random_state(*robot, random);
     X_WC = make_pose(state.q_WB, state.p_WB);
     q = state.q;

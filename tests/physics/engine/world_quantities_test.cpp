@@ -19,6 +19,7 @@ WorldSpec with_everything() {
   for (Body& body : std::span(robot.bodies).subspan(1)) {
     Joint& joint = body.joint;
     joint.damping = 0.02;
+    joint.implicit_joint_damping = 0.5;
     joint.stiffness = 0.1;
     joint.friction = 0.01;
     joint.armature = 1e-4;

@@ -52,6 +52,14 @@ TEST(Servo, SpringsPullToTheirReference) {
   EXPECT_DOUBLE_EQ(passive_torque(joint, 0.3, 2), -0.5 * 2 - 40 * 1.5);
 }
 
+TEST(Servo, DampersAtAStepsEndAreArmatureToTheStep) {
+  Joint joint;
+  joint.armature = 0.01, joint.damping = 4;
+  EXPECT_EQ(step_armature(joint, 0.005), 0.01);
+  joint.implicit_joint_damping = 0.5;
+  EXPECT_DOUBLE_EQ(step_armature(joint, 0.005), 0.01 + 0.01);
+}
+
 // After n steps what is held is short of a step of the target by exp(-n dt / lag); it acts from the step
 // after the one in which it was set.
 TEST(Servo, WhatItHoldsFollowsTheTarget) {

@@ -337,14 +337,14 @@ const BadInput kBadYamls[] = {
     {"HomeInAnotherMode", "elbow_left: -1.6867970467349", "elbow_left: 1.6867970467349", "home",
      "angles within 0.1 rad of closed loops", "stay open"},
     {"HomeOutOfPlane", "point_a: [0, 0, -0.06]", "point_a: [0, 0.001, -0.06]", "home",
-     "loops closed to 1e-09 m", "a gap of 0.001"},
+     "loops closed to 1e-05 m", "a gap of 0.001"},
     {"HomeBeyondLimits", "home:\n  tilt: 0", "home:\n  tilt: 1.2", "home", "joint 'FL_tilt' in -1..1 rad",
      "1.2"},
     {"HomeWithoutElbow", "  elbow_right: 1.6867970467349\n", "", "home", "key 'elbow_right'", "none"},
     {"ExceptionOfNoJoint", "servo:", "joints: {FL_lean: {kp: 2}}\nservo:", "joints.FL_lean",
      "a moving joint of the robot's file", "'FL_lean'"},
     {"GainOfAPassiveJoint", "servo:", "joints: {FL_elbow_left: {kp: 2}}\nservo:", "joints.FL_elbow_left.kp",
-     "one of the keys damping, stiffness, armature, friction", "unknown key 'kp'"},
+     "one of the keys damping, implicit_joint_damping, stiffness, armature, friction", "unknown key 'kp'"},
 };
 INSTANTIATE_TEST_SUITE_P(RobotLoader, BadRobotYaml, ::testing::ValuesIn(kBadYamls), kLoaderCase);
 
