@@ -115,6 +115,7 @@ void run(const VerdictCommand& options) {
   }
   if (options.page.asked()) options.page.write(page_of(*judged), provenance);
   options.json.emit(describe(*judged), to_json(*judged), provenance);
+  print_notes(judged->notes);
   const Word word = word_of(*judged);
   if (const int code = exit_code(word, options.require)) {
     throw RequirementMissed(

@@ -241,6 +241,11 @@ Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const st
     run.values.emplace_back(episode.total_reward);
     return run;
   };
+  behaviour.notes = [runs, name](const Engine& engine) {
+    const EpisodeSummary first = runs.run(engine, nominal_variation(), 0, kToTheEnd);
+    const std::string note = note_on_clipping(name, first.clipped_actions);
+    return note.empty() ? std::vector<std::string>() : std::vector{note};
+  };
   behaviour.trace = [runs](const Engine& engine, std::size_t k) {
     TraceRecorder recorder;
     runs.run(engine, nominal_variation(), k, kToTheEnd, &recorder);

@@ -215,6 +215,7 @@ EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& worl
                                     shared_parts(engines[i].info, engines[k].info), std::nullopt});
     }
   }
+  if (behaviour.notes) result.notes = behaviour.notes(engines.front());
   result.verdicts = reach_verdicts(behaviour, engines, options.verdict, progress_of(progress, "judging"));
   result.consensus = find_consensus(result.engines, result.verdicts.pairs);
   explain(result, families, behaviour, world, options, progress);

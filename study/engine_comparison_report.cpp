@@ -162,6 +162,7 @@ nlohmann::ordered_json to_json(const EngineComparison& comparison) {
                     {"confidence", how.confidence},
                     {"variations", verdicts.variations},
                     {"left_out", verdicts.left_out},
+                    {"notes", comparison.notes},
                     {"contact", to_json(comparison.contact)},
                     {"against", comparison.against ? to_json(*comparison.against) : ordered_json(nullptr)},
                     {"not_of_law", ordered_json::object()},

@@ -112,8 +112,11 @@ def test_a_million_environments_are_refused() -> None:
         _core.VectorEnvironment(_core.EnvironmentConfig(), 1_000_000)
 
 
+# A child of what runs in the background would ignore the signal.
 MAKE = """
+import signal
 from crossgait import _core
+signal.signal(signal.SIGINT, signal.default_int_handler)
 print("now", flush=True)
 _core.VectorEnvironment(_core.EnvironmentConfig(), 100_000)
 """

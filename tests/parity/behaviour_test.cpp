@@ -216,6 +216,38 @@ TEST(Behaviours, CanBeCut) {
   EXPECT_GT(policy.trace(engine, 0).size(), 1U);
 }
 
+/// Asks for three times what there is in the first entry of the action, in a share of steps.
+class Greedy : public Policy {
+ public:
+  Greedy(const PolicyInterface& interface, int every) : Policy("greedy", interface), every_(every) {}
+
+ private:
+  void do_reset(std::uint64_t /*seed*/) noexcept override { steps_ = 0; }
+  void do_act(std::span<const double> /*observation*/, std::span<double> action) noexcept override {
+    std::fill(action.begin(), action.end(), 0.0);
+    if (steps_++ % every_ == 0) std::fill(action.begin(), action.end(), 3.0);
+  }
+  int every_, steps_ = 0;
+};
+
+TEST(Behaviours, NoteActionsThatAreClipped) {
+  if (available_engines().empty()) GTEST_SKIP() << "no engine is built in";
+  const Engine engine = find_engine(available_engines().front());
+  EnvConfig config;
+  config.episode_seconds = 1;
+  const auto notes_of = [&](int every) {
+    return policy_behaviour(
+               config,
+               [every](const PolicyInterface& interface) { return std::make_unique<Greedy>(interface, every); },
+               "greedy")
+        .notes(engine);
+  };
+  const std::vector<std::string> notes = notes_of(1);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(notes[0].starts_with("greedy: 100 % of its actions are beyond")) << notes[0];
+  EXPECT_EQ(notes_of(1000), std::vector<std::string>());
+}
+
 // Lying on its back from the start, it is not watched kicking for the rest of the time.
 TEST(Behaviours, EndWithAFailure) {
   if (available_engines().empty()) GTEST_SKIP() << "no engine is built in";
