@@ -65,8 +65,8 @@ struct Behaviour {
   /// The same as a trace, as asked, every control step of a walk, every step of a policy; of a walk without
   /// the time to settle, so that the first touch is on it. Empty for behaviours that record none.
   std::function<Trace(const Engine& engine, std::size_t start)> trace;
-  /// Says what is doubtful of the behaviour itself, by a run of it: actions of a policy that are clipped. May be
-  /// empty.
+  /// Says what is doubtful of the behaviour itself, by a run of it: actions of a policy that are clipped. May
+  /// be empty.
   std::function<std::vector<std::string>(const Engine& engine)> notes;
   double physics_dt = 0, control_dt = 0;  ///< s, as asked
   ContactSpec contact;                    ///< as asked, in steps of that length

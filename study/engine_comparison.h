@@ -45,7 +45,8 @@ struct EngineComparison {
   Consensus consensus;
   /// Starts that `stored_runs` held already, if not all: whoever has looked at those looks again now.
   std::size_t starts_held = 0;
-  std::vector<std::string> notes;  ///< what is doubtful of the behaviour, by its first run in the first engine
+  std::vector<std::string>
+      notes;  ///< what is doubtful of the behaviour, by its first run in the first engine
 };
 
 /// Returns the word for all engines: the worst of the pairs.

@@ -54,11 +54,22 @@ def run(arguments: list[str], folder: Path) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+# Those that take ten seconds and more; the first two are run in C++ all the same.
+LONG_EXAMPLES = {"03_verdict", "07_your_controller", "09_train_a_policy"}
+
+
+@pytest.mark.parametrize(
+    "example",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.long] if path.stem in LONG_EXAMPLES else [])
+        for path in EXAMPLES
+    ],
+)
 def test_examples_run(example: Path, tmp_path: Path) -> None:
     assert run([str(example)], tmp_path)
 
 
+@pytest.mark.long
 def test_the_notebook_runs(tmp_path: Path) -> None:
     notebook = nbformat.read(ROOT / "examples/03_verdict.ipynb", as_version=4)
     done = nbclient.NotebookClient(notebook, timeout=900, resources={"metadata": {"path": str(tmp_path)}}).execute()

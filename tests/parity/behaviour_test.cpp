@@ -238,7 +238,9 @@ TEST(Behaviours, NoteActionsThatAreClipped) {
   const auto notes_of = [&](int every) {
     return policy_behaviour(
                config,
-               [every](const PolicyInterface& interface) { return std::make_unique<Greedy>(interface, every); },
+               [every](const PolicyInterface& interface) {
+                 return std::make_unique<Greedy>(interface, every);
+               },
                "greedy")
         .notes(engine);
   };

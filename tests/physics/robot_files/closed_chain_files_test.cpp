@@ -170,6 +170,37 @@ TEST_P(ClosedChainFiles, AHomeNeedsItsServosAlone) {
             std::string::npos);
 }
 
+class BehindAKneeThatFollows : public ScratchFolder {};
+
+TEST_F(BehindAKneeThatFollows, AServoMovesTheFootInItsPlace) {
+  ChainUrdf urdf;
+  urdf.joints = [](Leg leg) {
+    std::vector<ChainJoint> joints = ChainUrdf::usual(leg);
+    joints.push_back({"ankle", Vector3::UnitY(), {0, 0, -0.15}, -2, 2});
+    return joints;
+  };
+  write("made.urdf", urdf.text());
+  std::string yaml = "urdf: made.urdf\ncouplings:\n";
+  for (const Leg leg : kLegs)
+    yaml += fmt::format("  - {{follower: {0}_knee, leader: {0}_hip, coefficients: [0, -1.5]}}\n", name(leg));
+  const RobotDescription robot = load_robot(write("robot.yaml", yaml));
+  RobotState state;
+  state.q = robot.home;
+  std::vector<Pose> poses;
+  forward_kinematics(robot, state, poses);
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*robot.legs)[leg];
+    EXPECT_EQ(model.linkage, LegLinkage::kClosedChain);
+    ASSERT_EQ(model.servos.size(), 3U);
+    EXPECT_EQ(robot.joint(model.servos[2]).name, fmt::format("{}_ankle", name(leg)));
+    EXPECT_EQ(model.servos[2], model.joint("ankle"));
+    ASSERT_EQ(model.passive, std::vector{model.joint("knee")});
+    EXPECT_NEAR(robot.home[model.joint("knee")], -1.5 * robot.home[model.joint("hip")], 1e-12);
+    const Vector3 hip = poses[static_cast<std::size_t>(model.joint("hip")) + 1].translation();
+    EXPECT_NEAR((foot_position(robot, leg, poses) - hip).z(), -robot.standing_height, 1e-8);
+  }
+}
+
 // Without its loop a leg branches, and one loop of four is no robot that any rule knows.
 TEST_P(ClosedChainFiles, WithoutTheirLoopsTheyAreRefused) {
   write("made.urdf", urdf_of(GetParam()));
