@@ -136,12 +136,12 @@ std::optional<Angles> follow_servos(const ClosedChainGeometry& g, const Servos& 
   return g.chain.move(servos, q) ? std::optional(q) : std::nullopt;
 }
 
-LegMargins closed_chain_margins(const ClosedChainGeometry& g, const Angles& q) noexcept {
-  LegMargins margins{M_PI, 0, g.chain.transmission(q)};
-  for (Eigen::Index i = 0; i < q.size(); ++i)
-    margins.joint_limit =
-        std::min(margins.joint_limit, std::min(q[i] - g.chain.lower()[i], g.chain.upper()[i] - q[i]));
-  const double bend = std::abs(knee_bend(g, q));
+LegMargins closed_chain_margins(const ClosedChainGeometry& geometry, const Angles& angles) noexcept {
+  LegMargins margins{M_PI, 0, geometry.chain.transmission(angles)};
+  for (Eigen::Index i = 0; i < angles.size(); ++i)
+    margins.joint_limit = std::min(margins.joint_limit, std::min(angles[i] - geometry.chain.lower()[i],
+                                                                 geometry.chain.upper()[i] - angles[i]));
+  const double bend = std::abs(knee_bend(geometry, angles));
   margins.serial = std::min(bend, M_PI - bend);
   return margins;
 }

@@ -64,7 +64,7 @@ class JointTree {
   /// Returns the bodies from the base to this one, without the base.
   std::vector<int> way_to(int body) const;
   /// Likewise from a point, and without what hangs on `excluded`.
-  double reach_of(int body, const Vector3& from, int excluded) const;
+  double reach_of(int root, const Vector3& from, int excluded) const;
   bool hangs_on(int body, int on) const;
   /// Takes from the way along a leg what goes on behind where the leg itself goes on to its foot.
   std::vector<int> take_rods(std::vector<int>& leg) const;

@@ -20,7 +20,7 @@ constexpr double kLeastTurned = 1e-9;  // m^2/rad^2: the foot cannot be moved bo
 }  // namespace
 
 StandingClosedLeg::StandingClosedLeg(const RobotDescription& robot, Leg leg, double abduction)
-    : robot_(robot), model_((*robot.legs)[leg]), chain_(robot, leg) {
+    : model_((*robot.legs)[leg]), chain_(robot, leg) {
   const auto fail = [&](const std::string& expected, const std::string& found) {
     throw ConfigError(robot.source, fmt::format("legs.{}", name(leg)), expected, found);
   };

@@ -42,7 +42,6 @@ class StandingClosedLeg {
   std::optional<Angles> best_start(double depth, double forward, int bend) const;
   std::optional<Angles> settle(Angles q, double depth, double forward) const;
 
-  const RobotDescription& robot_;
   const LegModel& model_;
   ClosedChain chain_;
   Angles zero_;                  // as the file has the bodies, the abduction where it is held
