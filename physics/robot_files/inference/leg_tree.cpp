@@ -64,6 +64,10 @@ std::optional<Vector3> JointTree::point_of(const std::string& link, const Vector
 }
 
 void JointTree::find_bars() {
+  // More than any robot that is simulated has, with all that is held of it: files that are no robots are refused
+  // elsewhere, and soon.
+  constexpr std::size_t kMostBodies = 512, kMostLoops = 64;
+  if (robot_.bodies.size() > kMostBodies || robot_.loops.size() > kMostLoops) return;
   for (const LinkLoop& loop : robot_.loops) {
     const auto a = robot_.links.find(loop.link_a), b = robot_.links.find(loop.link_b);
     if (a == robot_.links.end() || b == robot_.links.end()) continue;
