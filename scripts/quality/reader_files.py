@@ -13,6 +13,7 @@ COMMANDS = {
     "robot.urdf": ["robots", "{}"],
     "robot.yaml": ["robots", "{}"],
     "robot.xml": ["robots", "{}"],
+    "bars.xml": ["robots", "{}"],
     "robot.sdf": ["robots", "{}"],
     "env.yaml": ["env", "--config", "{}"],
     "scripted.yaml": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
@@ -27,6 +28,20 @@ COMMANDS = {
     "bench.json": ["bench", "--from", "{}"],
     "runs.jsonl": ["verdict", "--runs", "{}", "--seconds", ".1", "--settle", ".1", "--starts", "4"],
 }
+
+
+def legs_on_bars():
+    """An MJCF whose knees are turned by a crank on the thigh and a rod."""
+    legs = loops = ""
+    for name, x, y in [("FL", 0.2, 0.1), ("FR", 0.2, -0.1), ("RL", -0.2, 0.1), ("RR", -0.2, -0.1)]:
+        legs += (f"<body name='{name}_thigh' pos='{x} {y} 0'><joint name='{name}_hip'/><geom fromto='0 0 0 0 0 -.2'/>"
+                 f"<body name='{name}_shin' pos='0 0 -.2'><joint name='{name}_knee'/><geom fromto='0 0 0 0 0 -.2'/></body>"
+                 f"<body name='{name}_crank' pos='0 0 -.02'><joint name='{name}_crank'/><geom fromto='0 0 0 -.03 0 .03'/>"
+                 f"<body name='{name}_rod' pos='-.03 0 .03'><joint name='{name}_rod'/><geom fromto='0 0 0 0 0 -.18'/></body></body></body>")
+        loops += f"<connect body1='{name}_rod' body2='{name}_shin' anchor='0 0 -.18'/>"
+    return ("<mujoco><compiler angle='radian'/><default><joint axis='0 1 0' range='-2.4 2.4'/><geom type='capsule' size='.008'/>"
+            "</default><worldbody><body name='trunk'><freejoint/><geom type='box' size='.2 .1 .04'/>"
+            f"{legs}</body></worldbody><equality>{loops}</equality></mujoco>")
 
 
 def command_of(program, kind, file):
@@ -99,6 +114,7 @@ def make_valid(program, folder):
     with open(os.path.join(folder, "ground.bin"), "wb") as file:  # a height field of MuJoCo's
         file.write(struct.pack("=2i4f", 2, 2, 0, 1, 2, 3))
     texts = {
+        "bars.xml": legs_on_bars(),
         "ground.xml": "<mujoco><asset><hfield name='h' file='ground.bin' size='1 1 .1 .1'/></asset>"
         "<worldbody><geom type='hfield' hfield='h'/></worldbody></mujoco>",
         "scene.sdf": "<sdf version='1.9'><world name='w'><model name='m'><static>1</static><link name='l'>"

@@ -53,6 +53,26 @@ TEST_P(MjcfOnBars, HaveServosWhereTheFileHasActuators) {
   }
 }
 
+TEST_P(MjcfOnBars, WhatIsNoLegIsSaid) {
+  const std::string sound = legs_on_bars(GetParam());
+  const auto refusal = [&](const std::string& before, const std::string& more) {
+    std::string text = sound;
+    text.insert(text.find(before), more);
+    return config_error([&] { (void)load_robot(write("bars.xml", text)); });
+  };
+  const ConfigError tied =
+      refusal("</equality>", R"(<connect name="tie" body1="FL_shin" body2="FR_shin" anchor="0 0 0"/>)");
+  EXPECT_EQ(tied.element(), "legs.FL");
+  EXPECT_EQ(tied.found(), "'tie', which joins another");
+  // All four joints of a leg with a servo: nothing is left for the loop to move.
+  std::string driven;
+  for (const Leg leg : kLegs) {
+    for (const char* joint : {"knee", "crank", "rod"})
+      driven += fmt::format(R"(<position joint="{}_{}" kp="9"/>)", name(leg), joint);
+  }
+  EXPECT_EQ(refusal("</actuator>", driven).element(), "legs.FL");
+}
+
 TEST_P(MjcfOnBars, Walk) {
   const auto robot =
       std::make_shared<const RobotDescription>(load_robot(write("bars.xml", legs_on_bars(GetParam()))));

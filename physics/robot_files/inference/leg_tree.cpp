@@ -63,19 +63,29 @@ std::optional<Vector3> JointTree::point_of(const std::string& link, const Vector
   return poses_[static_cast<std::size_t>(found->second.body)] * (found->second.X_BL * p);
 }
 
+bool JointTree::reach_alike(int a, int b) const {
+  constexpr double kAlike = 0.9;
+  const double of_a = reach_of(a), of_b = reach_of(b);
+  return std::min(of_a, of_b) > kAlike * std::max(of_a, of_b);
+}
+
 void JointTree::find_bars() {
-  // More than any robot that is simulated has, with all that is held of it: files that are no robots are refused
-  // elsewhere, and soon.
+  // More than any robot that is simulated has, with all that is held of it: files that are no robots are
+  // refused elsewhere, and soon.
   constexpr std::size_t kMostBodies = 512, kMostLoops = 64;
   if (robot_.bodies.size() > kMostBodies || robot_.loops.size() > kMostLoops) return;
   for (const LinkLoop& loop : robot_.loops) {
     const auto a = robot_.links.find(loop.link_a), b = robot_.links.find(loop.link_b);
     if (a == robot_.links.end() || b == robot_.links.end()) continue;
     std::vector<int> bar = way_to(a->second.body), leg = way_to(b->second.body);
+    bool is_in_a_branch = false;
     while (!bar.empty() && !leg.empty() && bar.front() == leg.front()) {
+      is_in_a_branch = true;
       bar.erase(bar.begin());
       leg.erase(leg.begin());
     }
+    if (!is_in_a_branch && !bar.empty() && !leg.empty() && reach_alike(bar.front(), leg.front()))
+      continue;  // two legs
     if (leg.empty() || (!bar.empty() && reach_of(bar.front()) > reach_of(leg.front()))) std::swap(bar, leg);
     if (leg.empty()) continue;  // a link joined to itself
     const std::vector<int> rods = take_rods(leg);

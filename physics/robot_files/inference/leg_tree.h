@@ -66,6 +66,7 @@ class JointTree {
   /// Likewise from a point, and without what hangs on `excluded`.
   double reach_of(int root, const Vector3& from, int excluded) const;
   bool hangs_on(int body, int on) const;
+  bool reach_alike(int a, int b) const;
   /// Takes from the way along a leg what goes on behind where the leg itself goes on to its foot.
   std::vector<int> take_rods(std::vector<int>& leg) const;
   void move_by_loop(const std::vector<int>& bar, const std::vector<int>& leg);
