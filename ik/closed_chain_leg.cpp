@@ -18,18 +18,6 @@ constexpr int kMostAttempts = 60;
 constexpr double kLargestStep = 0.5;  // rad, of a servo
 constexpr double kAtLimit = 1e-9;     // rad
 
-int place_of(const LegModel& model, std::string_view role) {
-  const LegRoles roles = model.roles();
-  for (std::size_t i = 0; i < roles.size(); ++i) {
-    if (roles[i].name == role) return static_cast<int>(i);
-  }
-  return -1;
-}
-
-bool is_within_limits(const ClosedChain& chain, const Angles& q) {
-  return ((q - chain.lower()).array() >= -kAtLimit).all() && ((chain.upper() - q).array() >= -kAtLimit).all();
-}
-
 bool is_at_a_limit(const ClosedChain& chain, const Angles& q) {
   constexpr double kNear = 1e-6;  // rad: of a passive joint the search ends next to it
   return ((q - chain.lower()).array() < kNear).any() || ((chain.upper() - q).array() < kNear).any();
@@ -86,7 +74,7 @@ ClosedChainGeometry closed_chain_geometry(const RobotDescription& robot, Leg leg
   if (const int loose = g.chain.loose_joints(g.home); loose > 0)
     frames.fail("joints", "loops that move every joint without a servo",
                 fmt::format("{} that would move by itself", loose));
-  g.hip = place_of(model, "hip"), g.knee = place_of(model, "knee");
+  g.hip = model.place("hip"), g.knee = model.place("knee");
   const Vector3 hip = g.chain.origin(g.home, g.hip), axis = g.chain.axis(g.home, g.hip);
   g.p_BL = hip + axis * axis.dot(g.chain.foot(g.home) - hip);
   return g;
@@ -107,7 +95,7 @@ ClosedChainSolution solve_closed_chain(const ClosedChainGeometry& g, const Vecto
     const Servos goal =
         (q.head(servos) + step).cwiseMax(chain.lower().head(servos)).cwiseMin(chain.upper().head(servos));
     Angles next = q;
-    const bool moved = chain.move(goal, next) && is_within_limits(chain, next);
+    const bool moved = chain.move(goal, next) && chain.is_within_limits(next, kAtLimit);
     const Vector3 next_off = p - chain.foot(next);
     if (moved && next_off.norm() < off.norm()) {
       const bool arrived = off.norm() - next_off.norm() < 1e-15;

@@ -39,8 +39,7 @@ ClosedChain::ClosedChain(const RobotDescription& robot, Leg leg) {
   if (joints.size() > kMaxLegJoints)
     fail(fmt::format("at most {} joints", kMaxLegJoints), std::to_string(joints.size()));
   servos_ = static_cast<int>(model.servos.size());
-  angles_ = Angles::Zero(static_cast<Eigen::Index>(joints.size()));
-  lower_ = upper_ = angles_;
+  lower_ = upper_ = Angles::Zero(static_cast<Eigen::Index>(joints.size()));
   std::vector<int> order(joints.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
   std::ranges::sort(order, [&](int a, int b) { return joints[at(a)] < joints[at(b)]; });
@@ -120,7 +119,7 @@ void ClosedChain::add_point(const Placed& placed, int link, const Vector3& p, do
 }
 
 ClosedChain::RowJacobian ClosedChain::gap_jacobian(const Placed& placed, const Angles& q) const noexcept {
-  RowJacobian J = RowJacobian::Zero(rows_, angles_.size());
+  RowJacobian J = RowJacobian::Zero(rows_, lower_.size());
   int row = 0;
   for (const Loop& loop : loops_) {
     add_point(placed, loop.a, loop.p_a, 1, J.middleRows<3>(row));
@@ -193,7 +192,7 @@ ClosedChain::FootJacobian ClosedChain::jacobian(const Angles& q) const noexcept 
   const int passive = passive_count();
   const Placed placed = place(q);
   Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxJoints> of_foot =
-      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxJoints>::Zero(3, angles_.size());
+      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxJoints>::Zero(3, lower_.size());
   add_point(placed, foot_link_, p_foot_, 1, of_foot.middleRows<3>(0));
   FootJacobian J = of_foot.leftCols(servos_);
   if (passive == 0 || rows_ == 0) return J;

@@ -25,10 +25,15 @@ class ClosedChain {
   ClosedChain(const RobotDescription& robot, Leg leg);
 
   int servo_count() const noexcept { return servos_; }
-  int passive_count() const noexcept { return static_cast<int>(angles_.size()) - servos_; }
+  int passive_count() const noexcept { return static_cast<int>(lower_.size()) - servos_; }
   /// Returns lower and upper limits of all joints, as Angles, rad.
   const Angles& lower() const noexcept { return lower_; }
   const Angles& upper() const noexcept { return upper_; }
+
+  /// Tells whether no joint is beyond a limit by more than `tolerance`, rad.
+  bool is_within_limits(const Angles& q, double tolerance = 0) const noexcept {
+    return ((q - lower_).array() >= -tolerance).all() && ((upper_ - q).array() >= -tolerance).all();
+  }
 
   /// Moves passive joints to where the loops are closed, next to where they are in `q`.
   /// @returns false if they cannot be closed there, to `kLoopTolerance`
@@ -87,7 +92,7 @@ class ClosedChain {
   std::vector<int> link_of_angle_;
   std::vector<Loop> loops_;
   std::vector<Coupling> couplings_;
-  Angles angles_, lower_, upper_;  // the first: zeros
+  Angles lower_, upper_;
   int servos_ = 0, foot_link_ = -1, rows_ = 0;
   Vector3 p_foot_ = Vector3::Zero();
 };

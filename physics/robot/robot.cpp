@@ -27,7 +27,6 @@ constexpr std::array<LegRole, 3> kHipKneeRoles{{{"hip", -1, true}, {"knee", 0, t
 constexpr std::array<LegRole, 4> kKneeFollowsRoles{
     {{"abduction", -1, true}, {"hip", 0, true}, {"knee", 1, false}, {"ankle", 2, false}}};
 
-constexpr std::array<std::string_view, 4> kChainNames{"abduction", "hip", "knee", "ankle"};  // as LegPart
 constexpr std::array<std::string_view, 4> kCranks{"crank", "crank_2", "crank_3", "crank_4"};
 constexpr std::array<std::string_view, 8> kRods{"rod",   "rod_2", "rod_3", "rod_4",
                                                 "rod_5", "rod_6", "rod_7", "rod_8"};
@@ -37,20 +36,21 @@ LegRoles closed_chain_roles(const LegModel& leg) noexcept {
   std::size_t cranks = 0, rods = 0;
   for (std::size_t i = 0; i < std::min(leg.parts.size(), kMaxLegJoints); ++i) {
     const bool has_servo = i < leg.servos.size();
-    std::string_view name;
-    if (leg.parts[i] != LegPart::kBar) {
-      name = kChainNames[static_cast<std::size_t>(leg.parts[i])];
-    } else if (has_servo) {
-      name = kCranks[std::min(cranks++, kCranks.size() - 1)];
-    } else {
-      name = kRods[std::min(rods++, kRods.size() - 1)];
-    }
-    roles.push_back({name, LegRole::kAnyParent, has_servo});
+    std::string_view role = name(leg.parts[i]);
+    if (leg.parts[i] == LegPart::kBar)
+      role = has_servo ? kCranks[std::min(cranks++, kCranks.size() - 1)]
+                       : kRods[std::min(rods++, kRods.size() - 1)];
+    roles.push_back({role, LegRole::kAnyParent, has_servo});
   }
   return roles;
 }
 
 }  // namespace
+
+std::string_view name(LegPart part) noexcept {
+  constexpr std::array<std::string_view, 5> kNames{"abduction", "hip", "knee", "ankle", "bar"};
+  return kNames[static_cast<std::size_t>(part)];
+}
 
 double JointCoupling::follower_at(double angle) const noexcept {
   double value = 0;
@@ -87,14 +87,20 @@ std::vector<int> LegModel::joints() const {
   return all;
 }
 
-int LegModel::joint(std::string_view role) const noexcept {
+int LegModel::place(std::string_view role) const noexcept {
   const LegRoles known = roles();
   for (std::size_t i = 0; i < known.size(); ++i) {
-    if (known[i].name != role) continue;
-    if (i < servos.size()) return servos[i];
-    return i - servos.size() < passive.size() ? passive[i - servos.size()] : -1;
+    if (known[i].name == role) return static_cast<int>(i);
   }
   return -1;
+}
+
+int LegModel::joint(std::string_view role) const noexcept {
+  const int found = place(role);
+  if (found < 0) return -1;
+  const auto i = static_cast<std::size_t>(found);
+  if (i < servos.size()) return servos[i];
+  return i - servos.size() < passive.size() ? passive[i - servos.size()] : -1;
 }
 
 int LegModel::last_joint() const noexcept {

@@ -145,6 +145,8 @@ enum class LegLinkage {
 
 /// Says what a joint of a closed chain is: one between base and foot, or of a bar beside these.
 enum class LegPart { kAbduction, kHip, kKnee, kAnkle, kBar };
+/// Names a part between base and foot as its role is called.
+std::string_view name(LegPart part) noexcept;
 
 /// Describes a joint of a leg: what it is called, and the role (its index) that it hangs on; -1: on the base.
 struct LegRole {
@@ -191,6 +193,8 @@ struct LegModel {
   LegRoles roles() const noexcept;
   /// Lists servos, then passive joints: as `roles`.
   std::vector<int> joints() const;
+  /// Returns the place of the role of this name among `roles` and `joints`, or -1.
+  int place(std::string_view role) const noexcept;
   /// Returns the joint in the role of this name, or -1.
   int joint(std::string_view role) const noexcept;
   /// Returns the joint of a leg with a knee that moves the link at its end: the ankle, or without one the

@@ -129,19 +129,19 @@ void RobotBuilder::read_home(const YamlValue& home) {
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot_.legs)[leg];
     const YamlValue values = by_leg ? home.at(name(leg)) : home;
-    if (model.linkage == LegLinkage::kFiveBar || model.linkage == LegLinkage::kClosedChain) {
+    const bool is_closed_chain = model.linkage == LegLinkage::kClosedChain;
+    if (model.linkage == LegLinkage::kFiveBar || is_closed_chain) {
       std::vector<std::string_view> roles;
       for (const LegRole& role : model.roles()) roles.push_back(role.name);
       values.allow_keys(roles);
     } else {
       values.allow_keys({"abduction", "hip", "knee", "ankle"});
     }
-    if (model.linkage == LegLinkage::kClosedChain) follow_servos_of_home(values, leg);
+    if (is_closed_chain) follow_servos_of_home(values, leg);
     for (const LegRole& role : model.roles()) {
       const int i = model.joint(role.name);
-      const bool is_closed = model.linkage == LegLinkage::kClosedChain;
       const bool is_left_to_others =
-          !role.actuated && (is_closed || robot_.coupling_of(i)) && !values.find(role.name);
+          !role.actuated && (is_closed_chain || robot_.coupling_of(i)) && !values.find(role.name);
       if (is_left_to_others) continue;
       robot_.home[i] = values.at(role.name).number();
       said.insert(i);

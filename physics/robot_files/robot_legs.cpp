@@ -15,10 +15,7 @@
 namespace crossgait {
 namespace {
 
-constexpr std::array<std::pair<LegPart, std::string_view>, 4> kChainRoles{{{LegPart::kAbduction, "abduction"},
-                                                                           {LegPart::kHip, "hip"},
-                                                                           {LegPart::kKnee, "knee"},
-                                                                           {LegPart::kAnkle, "ankle"}}};
+constexpr std::array kBetweenBaseAndFoot{LegPart::kAbduction, LegPart::kHip, LegPart::kKnee, LegPart::kAnkle};
 
 /// Makes the leg a closed chain. @returns its bodies: servos, then what loops move
 std::vector<int> take_closed_chain(const LegJoints& joints, LegModel& model) {
@@ -163,13 +160,12 @@ void RobotBuilder::read_legs(const YamlValue& legs) {
     } else {
       values.allow_keys({"abduction", "hip", "knee", "ankle", "foot"});
       std::vector<std::pair<LegPart, int>> chain;
-      for (const auto& [part, role] : kChainRoles) {
-        if (values.find(role)) chain.emplace_back(part, moved_body(values.at(role), values.at(role).text()));
+      for (const LegPart part : kBetweenBaseAndFoot) {
+        if (const auto joint = values.find(name(part)))
+          chain.emplace_back(part, moved_body(*joint, joint->text()));
       }
       if (const auto closed = closed_chain_of(tree, chain)) {
-        for (const auto& [part, role] : kChainRoles) {
-          if (values.find(role)) take(values, role);
-        }
+        for (const auto& [part, body] : chain) take(values, name(part));
         bodies[leg] = take_closed_chain(*closed, model);
         continue;
       }

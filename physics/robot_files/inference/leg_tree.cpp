@@ -119,17 +119,13 @@ std::vector<int> JointTree::take_rods(std::vector<int>& leg) const {
 
 void JointTree::move_by_loop(const std::vector<int>& bar, const std::vector<int>& leg) {
   constexpr int kPlanar = 2;  // joints that a loop in a plane moves
-  std::vector<int> last_first(leg.rbegin(), leg.rend());
-  if (robot_.servos.empty()) {
-    const std::size_t crank = bar.size() > 1 ? 1 : 0;
-    last_first.insert(last_first.begin(), bar.rbegin(), bar.rend() - static_cast<std::ptrdiff_t>(crank));
-  } else {
-    last_first.insert(last_first.begin(), bar.rbegin(), bar.rend());
-  }
+  const bool by_file = !robot_.servos.empty();
+  const std::ptrdiff_t cranks = !by_file && bar.size() > 1 ? 1 : 0;
+  std::vector<int> last_first(bar.rbegin(), bar.rend() - cranks);
+  last_first.insert(last_first.end(), leg.rbegin(), leg.rend());
   int moved = 0;
   for (const int i : last_first) {
-    if (is_moved_by_loop_[static_cast<std::size_t>(i)] || follows_[static_cast<std::size_t>(i)]) continue;
-    const bool by_file = !robot_.servos.empty();
+    if (follows(i)) continue;
     if (by_file ? robot_.servos.contains(joint(i).name) : moved == kPlanar) continue;
     is_moved_by_loop_[static_cast<std::size_t>(i)] = true;
     ++moved;

@@ -25,12 +25,12 @@ StandingClosedLeg::StandingClosedLeg(const RobotDescription& robot, Leg leg, dou
     throw ConfigError(robot.source, fmt::format("legs.{}", name(leg)), expected, found);
   };
   zero_ = Angles::Zero(static_cast<Eigen::Index>(model_.joints().size()));
-  hip_ = place_of("hip"), knee_ = place_of("knee");
+  hip_ = model_.place("hip"), knee_ = model_.place("knee");
   if (!chain_.close(zero_))
     fail("loops that close next to zero angles, or `home` in a robot.yaml", "open ones");
   if (const int loose = chain_.loose_joints(zero_); loose > 0)
     fail("loops that move every joint without a servo", fmt::format("{} that would move by itself", loose));
-  const int turned = place_of("abduction");
+  const int turned = model_.place("abduction");
   for (int i = 0; i < chain_.servo_count() && searched_.size() < 2; ++i) {
     if (i != turned) searched_.push_back(i);
   }
@@ -38,13 +38,6 @@ StandingClosedLeg::StandingClosedLeg(const RobotDescription& robot, Leg leg, dou
   ClosedChain::ServoAngles servos = zero_.head(chain_.servo_count());
   servos[turned] = abduction;
   chain_.move(servos, zero_);
-}
-
-int StandingClosedLeg::place_of(std::string_view role) const {
-  const LegRoles roles = model_.roles();
-  return static_cast<int>(
-      std::ranges::find_if(roles, [role](const LegRole& known) { return known.name == role; }) -
-      roles.begin());
 }
 
 double StandingClosedLeg::hip_x() const { return chain_.origin(zero_, hip_).x(); }
@@ -55,7 +48,7 @@ LegLengths StandingClosedLeg::lengths() const {
   LegLengths lengths{across(knee - hip), 0};
   Vector3 from = knee;
   if (model_.joint("ankle") >= 0) {
-    const Vector3 ankle = chain_.origin(zero_, place_of("ankle"));
+    const Vector3 ankle = chain_.origin(zero_, model_.place("ankle"));
     lengths.shin += across(ankle - from);
     from = ankle;
   }
@@ -75,10 +68,6 @@ Eigen::Vector2d StandingClosedLeg::error(const Angles& q, double depth, double f
 int StandingClosedLeg::bend_of(const Angles& q) const {
   const Vector3 foot = foot_from_hip(q), knee = chain_.origin(q, knee_) - chain_.origin(q, hip_);
   return knee.z() * foot.x() - knee.x() * foot.z() > 0 ? 1 : -1;
-}
-
-bool StandingClosedLeg::is_within_limits(const Angles& q) const {
-  return (q.array() >= chain_.lower().array()).all() && (q.array() <= chain_.upper().array()).all();
 }
 
 double StandingClosedLeg::cell_angle(int searched, int cell) const {
@@ -134,7 +123,7 @@ std::optional<ClosedChain::Angles> StandingClosedLeg::best_start(double depth, d
   std::optional<Angles> best;
   double least = 0;
   for (const auto& q : cells_) {
-    if (!q || !is_within_limits(*q) || bend_of(*q) != bend) continue;
+    if (!q || !chain_.is_within_limits(*q) || bend_of(*q) != bend) continue;
     const double off = error(*q, depth, forward).norm();
     if (best && off >= least) continue;
     best = q;
@@ -169,7 +158,7 @@ std::optional<std::vector<double>> StandingClosedLeg::stand(double depth, double
   if (!explored_) explore();
   const auto start = best_start(depth, forward, bend);
   const auto q = start ? settle(*start, depth, forward) : std::nullopt;
-  if (!q || !is_within_limits(*q) || bend_of(*q) != bend) return std::nullopt;
+  if (!q || !chain_.is_within_limits(*q) || bend_of(*q) != bend) return std::nullopt;
   return std::vector<double>(q->begin(), q->end());
 }
 

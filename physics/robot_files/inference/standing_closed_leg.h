@@ -31,11 +31,9 @@ class StandingClosedLeg {
   using Angles = ClosedChain::Angles;
   static constexpr int kGrid = 24;  // cells along each of the two servos
 
-  int place_of(std::string_view role) const;
   Vector3 foot_from_hip(const Angles& q) const;
   Eigen::Vector2d error(const Angles& q, double depth, double forward) const;
   int bend_of(const Angles& q) const;
-  bool is_within_limits(const Angles& q) const;
   double cell_angle(int searched, int cell) const;
   bool move_to(int u, int v, Angles& q) const;
   void explore();
