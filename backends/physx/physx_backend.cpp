@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "backends/physx/articulation_model.h"
+#include "backends/physx/coupled_joints.h"
 #include "backends/physx/settings.h"
 #include "backends/physx/step_contacts.h"
 #include "physics/engine/lost_engine.h"
@@ -32,7 +33,7 @@ EngineInfo make_info(const Settings& settings) {
                .loops = "hard" + way,
                .joint_friction = "hard" + way,
                .joint_limits = "hard" + way,
-               .couplings = "",
+               .couplings = "hard" + way,
                .implicit_servos = "implicit" + way,
                .contact_family = "rigid"};
   info.capabilities.exact_field_query = true;  // the ground is Crossgait's
@@ -44,7 +45,7 @@ EngineInfo make_info(const Settings& settings) {
 class PhysxBackend final : public PhysicsBackend, public LosableWorld {
  public:
   PhysxBackend(const WorldSpec& world, const Settings& settings)
-      : PhysicsBackend(world), settings_(settings), info_(make_info(settings)) {
+      : PhysicsBackend(world), settings_(settings), info_(make_info(settings)), couplings_(spec()) {
     build();
     reset();
   }
@@ -81,12 +82,17 @@ class PhysxBackend final : public PhysicsBackend, public LosableWorld {
     model_ = std::make_unique<ArticulationModel>(spec(), settings_, *scene_);
     contacts_->build(*scene_, *model_);
     poisoned_ = false;
+    if (!couplings_.empty()) {
+      torques_ = tried_.q = tried_.qd = JointVector::Zero(robot().joint_count());
+      model_->save(start_);
+    }
   }
 
   void do_reset(const RobotState& state) override {
     refuse_fork();
     if (poisoned_) build();
     contacts_->forget();
+    couplings_.forget();
     model_->set_state(state);
   }
 
@@ -96,12 +102,35 @@ class PhysxBackend final : public PhysicsBackend, public LosableWorld {
         !(base.torque.norm() < kMost))
       return StepStatus::kDiverged;
     push_ = base.force;
+    if (couplings_.empty()) {
+      simulate(tau, base);
+    } else {
+      simulate_coupled(tau, base);
+    }
+    return poisoned_ ? StepStatus::kDiverged : StepStatus::kOk;
+  }
+
+  void simulate(const JointVector& tau, const Wrench& base) noexcept {
     model_->apply(tau, implicit_servos(), base);
     contacts_->begin_step(*scene_);
     scene_->simulate(static_cast<float>(spec().physics_dt));
     scene_->fetchResults(true);
     poisoned_ = !model_->take();
-    return poisoned_ ? StepStatus::kDiverged : StepStatus::kOk;
+  }
+
+  void simulate_coupled(const JointVector& tau, const Wrench& base) noexcept {
+    model_->get_state(tried_);
+    couplings_.begin(tried_.q);
+    model_->save(start_);
+    for (;;) {
+      torques_ = tau;
+      couplings_.add_torques(torques_);
+      simulate(torques_, base);
+      if (poisoned_) return;
+      model_->get_state(tried_);
+      if (couplings_.settle(tried_.q)) return;
+      model_->restore(start_.data());
+    }
   }
 
   void do_read_state(RobotState& state) const noexcept override { model_->get_state(state); }
@@ -132,12 +161,16 @@ class PhysxBackend final : public PhysicsBackend, public LosableWorld {
     return friction;
   }
 
-  void do_save(std::vector<double>& engine) const override { model_->save(engine); }
+  void do_save(std::vector<double>& engine) const override {
+    model_->save(engine);
+    couplings_.save(engine);
+  }
   void do_restore(const std::vector<double>& engine) override {
     refuse_fork();
     if (poisoned_) build();
     contacts_->forget();
     model_->restore(engine.data());
+    couplings_.restore(engine.data() + engine.size() - static_cast<std::size_t>(couplings_.state_size()));
   }
 
   Settings settings_;
@@ -146,6 +179,10 @@ class PhysxBackend final : public PhysicsBackend, public LosableWorld {
   std::unique_ptr<px::PxScene, Release> scene_;
   std::unique_ptr<StepContacts> contacts_;
   std::unique_ptr<ArticulationModel> model_;
+  CoupledJoints couplings_;
+  RobotState tried_;                // as a try of a step with couplings left it
+  JointVector torques_;             // of that try, N m
+  std::vector<double> start_;       // what the step began with, number by number
   Vector3 push_ = Vector3::Zero();  // of the last step, N
   bool poisoned_ = false;
 };

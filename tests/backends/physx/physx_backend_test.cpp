@@ -93,6 +93,33 @@ TEST(PhysxFriction, RemembersNothing) {
   }
 }
 
+double largest_gap(const PhysicsBackend& world) {
+  const JointVector& q = world.state().q;
+  double largest = 0;
+  for (const JointCoupling& coupling : world.robot().couplings)
+    largest = std::max(largest, std::abs(q[coupling.follower] - coupling.follower_at(q[coupling.leader])));
+  return largest;
+}
+
+TEST(PhysxCouplings, HoldInATrotAndAreATorqueOfTheState) {
+  const WorldSpec spec = scenes::world_of(scenes::with_coupled_hips(scenes::serial_quadruped()));
+  const scenes::Trot trot(*spec.robot);
+  for (const char* name : {"physx", "physx:pgs"}) {
+    SCOPED_TRACE(name);
+    const auto used = find(name)->make(spec), other = find(name)->make(spec);
+    double widest = 0;
+    for (double t = 0; t < scenes::Trot::kStand + 1; t += spec.physics_dt) {
+      ASSERT_EQ(used->step(trot.targets(t)), StepStatus::kOk);
+      widest = std::max(widest, largest_gap(*used));
+    }
+    EXPECT_LT(widest, 1e-5);  // rad; ten times what a step may leave, for feet that land
+    other->restore(used->save());
+    ASSERT_EQ(used->step(trot.targets(1), 50), StepStatus::kOk);
+    ASSERT_EQ(other->step(trot.targets(1), 50), StepStatus::kOk);
+    EXPECT_TRUE(scenes::identical(used->state(), other->state()));
+  }
+}
+
 TEST(PhysxDivergence, OfAPushIsAnOutcomeAndTheWorldWorksAfterAReset) {
   for (const char* name : {"physx", "physx:pgs"}) {
     SCOPED_TRACE(name);
