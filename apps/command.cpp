@@ -14,6 +14,7 @@
 #include "physics/robot_files/data_path.h"
 #include "physics/robot_files/file_arguments.h"
 #include "physics/robot_files/robot_report.h"
+#include "study/robot_findings.h"
 #include "study/robot_quantities.h"
 
 namespace crossgait::apps {
@@ -27,7 +28,10 @@ RobotDescription load_robot_with_warnings(const std::string& robot) {
   if (!is_robot_file(robot) && !file.starts_with(models_dir()))
     print_notes({fmt::format("{}: {}", robot, file)});
   LoadedRobot loaded = load_robot_with_report(file, servo_source());
-  if (const std::size_t count = robot_warnings(loaded, {}).size(); count > 0) {
+  const std::vector<RobotFinding> findings = robot_findings(loaded);
+  if (!findings.empty() && findings.front().severity == Severity::kError)
+    print_notes({fmt::format("{}: {}", loaded.robot.source, describe(findings.front()))});
+  if (const std::size_t count = robot_warnings(loaded, world_of(loaded)).size(); count > 0) {
     print_notes({fmt::format("{}: {} on what its file holds: crossgait robots {}", loaded.robot.source,
                              counted(count, "warning"), robot)});
   }

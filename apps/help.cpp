@@ -45,8 +45,8 @@ std::string group_of(const std::string& command) {
 const std::vector<std::pair<const char*, Names>>& option_groups() {
   static const std::vector<std::pair<const char*, Names>> kGroups{
       {"Robot and ground",
-       {"--robot", "--servos", "--xacro-arg", "--terrain", "--terrain-seed", "--seed", "--friction",
-        "--contact"}},
+       {"--robot", "--robots", "--servos", "--xacro-arg", "--terrain", "--terrain-seed", "--seed",
+        "--friction", "--contact"}},
       {"What moves it",
        {"--gait", "--set", "--speed", "--command", "--policy", "--config", "--adapt", "--observe",
         "--residual-scale", "--no-compensation", "--no-heading-hold"}},

@@ -180,8 +180,7 @@ void show(const RobotsCommand& options) {
   result["inferred"] = ordered_json::array();
   for (const Inference& i : loaded.report.inferred)
     result["inferred"].push_back({{"what", i.what}, {"value", i.value}, {"reason", i.reason}});
-  WorldSpec world;
-  world.contact = resolve_contact(robot.contact, {}, robot.source);
+  const WorldSpec world = world_of(loaded);
   const std::vector<RobotQuantity> quantities = robot_quantities(loaded, world);
   const std::vector<std::string> warnings = robot_warnings(loaded, world);
   result["quantities"] = to_json(quantities);
@@ -230,18 +229,16 @@ void check(const RobotsCommand& options) {
   const bool is_real = findings.empty() || findings.front().severity != Severity::kError;
   if (!is_real) trial = without_advice(std::move(trial));
   // What no real machine has explains more than gains do.
-  const std::string cause =
-      is_real || trial.passed()
-          ? blame_gains(options, loaded, trial)
-          : fmt::format(
-                "First of all: {}: {}{}.", findings.front().of, findings.front().what,
-                findings.front().likely.empty() ? "" : fmt::format("; likely {}", findings.front().likely));
-  const std::vector<std::string> warnings = robot_warnings(loaded, {});
+  const std::string cause = is_real || trial.passed()
+                                ? blame_gains(options, loaded, trial)
+                                : fmt::format("First of all: {}.", describe(findings.front()));
+  const WorldSpec world = world_of(loaded);
+  const std::vector<std::string> warnings = robot_warnings(loaded, world);
   ordered_json result{{"name", loaded.robot.name}, {"file", loaded.robot.source}};
   result.update(to_json(trial));
   if (!cause.empty()) result["cause"] = cause;
   result["warnings"] = warnings;
-  result["findings"] = to_json(all_findings(loaded, {}));
+  result["findings"] = to_json(all_findings(loaded, world));
   std::string text = describe(trial) + (cause.empty() ? "" : cause + "\n");
   for (const std::string& warning : warnings) text += fmt::format("warning: {}\n", warning);
   text += describe(findings);

@@ -198,6 +198,7 @@ void add_verdict_command(CLI::App& program, Invocation& invocation) {
       "  crossgait verdict\n"
       "  crossgait verdict --explain\n"
       "  crossgait verdict --against friction=0.4,mass=x1.1,delay=0.004 --explain\n"
+      "  crossgait verdict --robots my.urdf,my.xml --explain\n"
       "  crossgait verdict --engines mujoco,bullet,dart+pyramid,dart+stock\n"
       "  crossgait verdict --gait gallop --terrain rough --starts 24 --json verdict.json\n"
       "  crossgait verdict --margin distance_m=5% --margin slip_m=0.05 --require agrees\n"
@@ -213,6 +214,19 @@ void add_verdict_command(CLI::App& program, Invocation& invocation) {
       ->delimiter(',');
   command->add_option("--against", options->against, against_help())->type_name("NAME=VALUE,...");
   options->walk.add_to(*command);
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--robots",
+          [options](const std::vector<std::string>& two) {
+            options->walk.config.robot = two[0];
+            options->against = "robot=" + two[1];
+          },
+          "Two descriptions of one robot, held against each other: --robot A --against robot=B")
+      ->type_name("A,B")
+      ->delimiter(',')
+      ->expected(2)
+      ->excludes("--robot")
+      ->excludes("--against");
   options->judge.verdict.workers = EpisodeOptions::default_workers();
   add_judge_options(*command, *options);
   options->policy.add_to(*command);

@@ -8,6 +8,7 @@
 
 #include "physics/core/table.h"
 #include "physics/robot/joint_numbers.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait {
 namespace {
@@ -15,33 +16,79 @@ namespace {
 constexpr double kAlike = 0.01;
 constexpr double kNothing = 1e-9;  // in any unit here: two numbers that are both none
 
+/// A robot at home, with what is measured in it.
+struct AtHome {
+  explicit AtHome(const RobotDescription& description) : robot(description) {
+    RobotState state;
+    state.q = robot.home;
+    forward_kinematics(robot, state, poses);
+    if (!robot.legs) return;
+    for (const Leg leg : kLegs)
+      middle +=
+          poses[static_cast<std::size_t>((*robot.legs)[leg].joints().front()) + 1].translation() / kLegCount;
+  }
+  const Body& body(int joint) const { return robot.bodies[static_cast<std::size_t>(joint) + 1]; }
+  const Pose& pose(int joint) const { return poses[static_cast<std::size_t>(joint) + 1]; }
+
+  const RobotDescription& robot;
+  std::vector<Pose> poses;
+  Vector3 middle = Vector3::Zero();  ///< of where legs begin, m: a base's own origin is anywhere
+};
+
 class DifferenceFinder {
  public:
-  DifferenceFinder(const RobotDescription& a, const RobotDescription& b) : a_(a), b_(b) {}
+  DifferenceFinder(const RobotDescription& a, const RobotDescription& b)
+      : a_(a), b_(b), length_(std::max(a.standing_height, b.standing_height)) {}
 
   RobotDifference find() {
-    add("robot", "mass", "kg", a_.total_mass(), b_.total_mass());
-    add("robot", "base mass", "kg", a_.bodies[0].inertia.mass, b_.bodies[0].inertia.mass);
-    add("robot", "standing height", "m", a_.standing_height, b_.standing_height);
-    add("robot", "servos", "", static_cast<double>(a_.actuated_joints().size()),
-        static_cast<double>(b_.actuated_joints().size()));
-    if (a_.legs && b_.legs) {
+    const RobotDescription &a = a_.robot, &b = b_.robot;
+    add("robot", "mass", "kg", a.total_mass(), b.total_mass());
+    add("robot", "base mass", "kg", a.bodies[0].inertia.mass, b.bodies[0].inertia.mass);
+    add("robot", "standing height", "m", a.standing_height, b.standing_height);
+    add("robot", "height of the base's origin at home", "m", a.home_height, b.home_height);
+    add("robot", "servos", "", static_cast<double>(a.actuated_joints().size()),
+        static_cast<double>(b.actuated_joints().size()));
+    add("robot", "couplings", "", static_cast<double>(a.couplings.size()),
+        static_cast<double>(b.couplings.size()));
+    add("robot", "loops", "", static_cast<double>(a.loops.size()), static_cast<double>(b.loops.size()));
+    add_place("base", "centre of mass", a_.poses[0] * a.bodies[0].inertia.p_BC - a_.middle,
+              b_.poses[0] * b.bodies[0].inertia.p_BC - b_.middle);
+    add_contact();
+    if (a.legs && b.legs) {
       for (const Leg leg : kLegs) add_leg(leg);
     }
     return std::move(difference_);
   }
 
  private:
-  void add(const std::string& of, std::string_view name, std::string_view unit, double a, double b) {
-    if (std::abs(a - b) <= std::max(kNothing, kAlike * std::max(std::abs(a), std::abs(b)))) {
+  /// @param scale  of which a hundredth is alike, where it is larger than the numbers
+  void add(const std::string& of, std::string_view name, std::string_view unit, double a, double b,
+           double scale = 0) {
+    if (std::abs(a - b) <= std::max(kNothing, kAlike * std::max({std::abs(a), std::abs(b), scale}))) {
       ++difference_.alike;
     } else {
       difference_.unlike.push_back({of, std::string(name), std::string(unit), a, b});
     }
   }
 
+  void add_place(const std::string& of, const std::string& name, const Vector3& a, const Vector3& b) {
+    for (const int axis : {0, 1, 2})
+      add(of, fmt::format("{} at home, {}", name, "xyz"[axis]), "m", a[axis], b[axis], length_);
+  }
+
+  void add_contact() {
+    const ContactSpec a = resolve_contact(a_.robot.contact, {}, a_.robot.source),
+                      b = resolve_contact(b_.robot.contact, {}, b_.robot.source);
+    for (const ContactSetting& setting : contact_settings()) {
+      const std::vector<double> of_a = setting.get(a), of_b = setting.get(b);
+      for (std::size_t i = 0; i < std::min(of_a.size(), of_b.size()); ++i)
+        add("contact", of_a.size() == 1 ? std::string(setting.name) : fmt::format("{} {}", setting.name, i),
+            setting.unit, of_a[i], of_b[i]);
+    }
+  }
+
   void add_leg(Leg leg) {
-    const LegModel &a = (*a_.legs)[leg], &b = (*b_.legs)[leg];
+    const LegModel &a = (*a_.robot.legs)[leg], &b = (*b_.robot.legs)[leg];
     add(fmt::format("{} foot", name(leg)), "radius", "m", a.foot_radius, b.foot_radius);
     add(fmt::format("{} foot", name(leg)), "distance from its joint", "m", a.p_BF.norm(), b.p_BF.norm());
     for (const LegRole& role : a.roles()) {
@@ -53,19 +100,35 @@ class DifferenceFinder {
   }
 
   void add_joint(const std::string& of, int i, int j) {
-    const Body& a = a_.bodies[static_cast<std::size_t>(i) + 1];
-    const Body& b = b_.bodies[static_cast<std::size_t>(j) + 1];
+    const Body &a = a_.body(i), &b = b_.body(j);
+    const Pose &X_a = a_.pose(i), &X_b = b_.pose(j);
     add(of, "mass", "kg", a.inertia.mass, b.inertia.mass);
     add(of, "inertia (trace)", "kg m^2", a.inertia.I_C.trace(), b.inertia.I_C.trace());
-    add(of, "distance from what it hangs on", "m", a.X_PB.translation().norm(), b.X_PB.translation().norm());
+    add_place(of, "place", X_a.translation() - a_.middle, X_b.translation() - b_.middle);
+    add_place(of, "centre of mass", X_a * a.inertia.p_BC - a_.middle, X_b * b.inertia.p_BC - b_.middle);
+    const double cosine = (X_a.linear() * a.joint.axis).dot(X_b.linear() * b.joint.axis);
+    add(of, "axis turned by", "deg", 0, std::acos(std::min(1.0, std::abs(cosine))) * kDegreesPerRadian, 90);
     // Of an axis that points the other way limits and angles have the other sign.
-    add(of, "range", "rad", a.joint.upper - a.joint.lower, b.joint.upper - b.joint.lower);
-    add(of, "home, without its sign", "rad", std::abs(a_.home[i]), std::abs(b_.home[j]));
+    const bool turned = cosine < 0;
+    const double sign = turned ? -1 : 1;
+    const auto add_range = [&](const std::string& what, double low_a, double high_a, double low_b,
+                               double high_b) {
+      add(of, what + ", least", "rad", low_a, turned ? -high_b : low_b);
+      add(of, what + ", most", "rad", high_a, turned ? -low_b : high_b);
+    };
+    add_range("range", a.joint.lower, a.joint.upper, b.joint.lower, b.joint.upper);
+    if (a.joint.actuated && b.joint.actuated)
+      add_range("targets", a.joint.target_lower, a.joint.target_upper, b.joint.target_lower,
+                b.joint.target_upper);
+    add(of, "home", "rad", a_.robot.home[i], sign * b_.robot.home[j]);
     for (const JointNumber& number : kJointNumbers)
       add(of, number.name, number.unit, a.joint.*number.member, b.joint.*number.member);
+    if (a.joint.stiffness > 0 || b.joint.stiffness > 0)
+      add(of, "spring_reference", "rad", a.joint.spring_reference, sign * b.joint.spring_reference);
   }
 
-  const RobotDescription &a_, &b_;
+  const AtHome a_, b_;
+  const double length_;  ///< of which places are alike to a hundredth, m
   RobotDifference difference_;
 };
 

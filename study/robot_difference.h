@@ -12,7 +12,7 @@
 namespace crossgait {
 
 struct UnlikeQuantity {
-  std::string of;  ///< "robot", or a leg and role: "FL knee"
+  std::string of;  ///< "robot", "base", "contact", or a leg and role: "FL knee"
   std::string name, unit;
   double a = 0, b = 0;
 };
@@ -22,9 +22,11 @@ struct RobotDifference {
   std::size_t alike = 0;  ///< quantities that are the same
 };
 
-/// Compares masses, heights, and leg by leg and role by role lengths, masses, limits, home and every number
-/// of the joints; feet by their radius. What joints and links are called does not matter. Alike is what
-/// differs by a hundredth of the larger or less.
+/// Compares masses, heights, contact, and leg by leg and role by role where joints and centres of mass are at
+/// home (from the middle of where legs begin), axes, masses, moments, ranges, home, springs and every number
+/// of the joints; feet by their radius. What joints and links are called, and which way an axis points, does
+/// not matter. Alike is what differs by a hundredth of the larger or less, of places by one of the standing
+/// height.
 RobotDifference robot_difference(const RobotDescription& a, const RobotDescription& b);
 
 /// Holds how far two descriptions lie apart in the speed at which they walk (over the commanded one), in the

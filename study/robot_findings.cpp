@@ -12,6 +12,8 @@
 
 #include "ik/leg_kinematics.h"
 #include "physics/robot/actuator.h"
+#include "physics/robot/joint_numbers.h"
+#include "physics/robot/multibody.h"
 #include "physics/robot/shape_box.h"
 #include "study/robot_quantities.h"
 
@@ -21,13 +23,15 @@ namespace {
 using LinkBox = Eigen::AlignedBox3d;
 
 constexpr double kLeastGyration = 0.02, kMostGyration = 0.6, kImpossibleGyration = 1.5;  // of a link's extent
-constexpr double kLeastDensity = 20, kMostDensity = 2e4;                                 // kg/m^3
+constexpr double kLeastDensity = 20, kMostDensity = 2e4, kImpossibleDensity = 1e5;       // kg/m^3
 constexpr double kLeastHeight = 0.03, kMostHeight = 3;                                   // m
-constexpr double kHugeShape = 10;  // of the standing height
-constexpr double kWidened = 1.5;   // of a link's box, for its centre of mass
-constexpr double kThin = 0.1;      // of the longest side: a box whose volume says nothing
-constexpr double kUnlike = 0.05;   // relative, of left and right
-constexpr double kAtLimit = 0.01;  // rad
+constexpr double kHugeShape = 10;     // of the standing height
+constexpr double kWidened = 1.5;      // of a link's box, for its centre of mass
+constexpr double kThin = 0.1;         // of the longest side: a box whose volume says nothing
+constexpr double kUnlike = 0.05;      // relative, of left and right
+constexpr double kAtLimit = 0.01;     // rad
+constexpr double kLeastSpeed = 0.5;   // of sqrt(g / h): what a servo has to turn at
+constexpr double kLeastAngle = 0.02;  // rad, off its target: what a servo has to be able to follow
 constexpr double kLeastTransmission =
     0.26;  // rad, 15 degrees: there bars push four times as hard as they move
 
@@ -153,7 +157,7 @@ class Findings {
     if (sizes.minCoeff() < kThin * sizes.maxCoeff()) return;
     const double density = mass / sizes.prod();
     if (density >= kLeastDensity && density <= kMostDensity) return;
-    add(Severity::kWarning, of,
+    add(density > kImpossibleDensity ? Severity::kError : Severity::kWarning, of,
         fmt::format("{:.3g} kg in a box of {:.3g} x {:.3g} x {:.3g} m is {:.3g} kg/m^3, expected {} to {}",
                     mass, sizes.x(), sizes.y(), sizes.z(), density, kLeastDensity, kMostDensity),
         density > kMostDensity ? likely_unit("its mass", std::array{Unit{1e3, "g"}}, density / 1000) : "");
@@ -203,10 +207,31 @@ class Findings {
             limit, cannot_stand ? needed : 2 * needed, cannot_stand ? "four" : "two"));
   }
 
+  /// A damper may take all the torque of a servo at a speed below that of a gait; a spring may ask for all of
+  /// it at an angle below what a servo can hold.
+  void check_servo(const Joint& joint) {
+    const double limit = std::max(joint.effort_limit, negative_effort(joint)),
+                 speed = std::sqrt(kGravity / robot_.standing_height);
+    const std::string of = fmt::format("joint '{}'", joint.name);
+    if (joint.damping * kLeastSpeed * speed > limit)
+      add(Severity::kWarning, of,
+          fmt::format(
+              "its damping of {:.3g} N m s/rad takes all of its torque limit of {:.3g} N m at {:.2g} rad/s, "
+              "where gaits of this robot turn joints at {:.2g}",
+              joint.damping, limit, limit / joint.damping, speed));
+    if (joint.kp * kLeastAngle > limit)
+      add(Severity::kWarning, of,
+          fmt::format(
+              "its kp of {:.3g} N m/rad asks for all of its torque limit of {:.3g} N m at {:.2g} rad off its "
+              "target",
+              joint.kp, limit, limit / joint.kp));
+  }
+
   void check_home() {
     for (const LegModel& leg : *robot_.legs) {
       for (const int i : leg.servos) {
         const Joint& joint = robot_.joint(i);
+        check_servo(joint);
         const double room = std::min(robot_.home[i] - joint.lower, joint.upper - robot_.home[i]);
         if (room > kAtLimit) continue;
         add(Severity::kWarning, fmt::format("joint '{}'", joint.name),
@@ -216,29 +241,50 @@ class Findings {
     }
   }
 
-  void compare(Leg left, Leg right, int role, const char* what, const char* unit, double of_left,
-               double of_right) {
-    if (std::abs(of_left - of_right) <= kUnlike * std::max(std::abs(of_left), std::abs(of_right))) return;
-    const LegModel &a = (*robot_.legs)[left], &b = (*robot_.legs)[right];
-    const auto at = static_cast<std::size_t>(role);
+  void add_unlike(Leg left, Leg right, std::size_t role, const std::string& numbers) {
     add(Severity::kWarning, "legs",
-        fmt::format("left and right are unlike: {} {:.3g} {} at '{}', {:.3g} at '{}'", what, of_left, unit,
-                    robot_.joint(a.joints()[at]).name, of_right, robot_.joint(b.joints()[at]).name));
+        fmt::format("left and right are unlike: {} ('{}' and '{}')", numbers,
+                    robot_.joint((*robot_.legs)[left].joints()[role]).name,
+                    robot_.joint((*robot_.legs)[right].joints()[role]).name));
+  }
+
+  void compare(Leg left, Leg right, std::size_t role, std::string_view what, std::string_view unit,
+               double of_left, double of_right) {
+    if (std::abs(of_left - of_right) <= kUnlike * std::max(std::abs(of_left), std::abs(of_right))) return;
+    add_unlike(left, right, role, fmt::format("{} of {:.3g} and {:.3g} {}", what, of_left, of_right, unit));
+  }
+
+  /// Compares where joints of left and right are at home, one of them mirrored.
+  void compare_places(Leg left, Leg right, std::size_t role, const Vector3& p_left, const Vector3& p_right) {
+    const Vector3 mirrored = p_right.cwiseProduct(Vector3(1, -1, 1));
+    if ((p_left - mirrored).norm() <= kUnlike * robot_.standing_height) return;
+    const auto text = [](const Vector3& p) {
+      return fmt::format("({:.3g}, {:.3g}, {:.3g})", p.x(), p.y(), p.z());
+    };
+    add_unlike(left, right, role,
+               fmt::format("at home their joints are at {} and {} m", text(p_left), text(p_right)));
   }
 
   void compare_sides() {
+    std::vector<Pose> poses;
+    RobotState home;
+    home.q = robot_.home;
+    forward_kinematics(robot_, home, poses);
     for (const auto& [left, right] : {std::pair(Leg::FL, Leg::FR), std::pair(Leg::RL, Leg::RR)}) {
       const std::vector<int> a = (*robot_.legs)[left].joints(), b = (*robot_.legs)[right].joints();
       if (a.size() != b.size()) continue;
       for (std::size_t i = 0; i < a.size(); ++i) {
-        const Body& of_a = robot_.bodies[static_cast<std::size_t>(a[i]) + 1];
-        const Body& of_b = robot_.bodies[static_cast<std::size_t>(b[i]) + 1];
-        const auto role = static_cast<int>(i);
-        compare(left, right, role, "mass", "kg", of_a.inertia.mass, of_b.inertia.mass);
-        compare(left, right, role, "distance from what it hangs on", "m", of_a.X_PB.translation().norm(),
-                of_b.X_PB.translation().norm());
-        if (of_a.joint.actuated && of_b.joint.actuated)
-          compare(left, right, role, "torque limit", "N m", of_a.joint.effort_limit, of_b.joint.effort_limit);
+        const auto of_a = static_cast<std::size_t>(a[i]) + 1, of_b = static_cast<std::size_t>(b[i]) + 1;
+        const Body &body_a = robot_.bodies[of_a], &body_b = robot_.bodies[of_b];
+        compare(left, right, i, "masses", "kg", body_a.inertia.mass, body_b.inertia.mass);
+        compare(left, right, i, "moments (sums of three)", "kg m^2", body_a.inertia.I_C.trace(),
+                body_b.inertia.I_C.trace());
+        compare(left, right, i, "ranges", "rad", body_a.joint.upper - body_a.joint.lower,
+                body_b.joint.upper - body_b.joint.lower);
+        for (const JointNumber& number : kJointNumbers)
+          compare(left, right, i, number.name, number.unit, body_a.joint.*number.member,
+                  body_b.joint.*number.member);
+        compare_places(left, right, i, poses[of_a].translation(), poses[of_b].translation());
       }
     }
   }
@@ -264,11 +310,14 @@ std::vector<RobotFinding> all_findings(const LoadedRobot& loaded, const WorldSpe
   return findings;
 }
 
+std::string describe(const RobotFinding& finding) {
+  return fmt::format("{}: {}{}", finding.of, finding.what,
+                     finding.likely.empty() ? "" : fmt::format("; likely {}", finding.likely));
+}
+
 std::string describe(const std::vector<RobotFinding>& findings) {
   std::string text;
-  for (const RobotFinding& f : findings)
-    text += fmt::format("{}: {}: {}{}\n", name(f.severity), f.of, f.what,
-                        f.likely.empty() ? "" : fmt::format("; likely {}", f.likely));
+  for (const RobotFinding& f : findings) text += fmt::format("{}: {}\n", name(f.severity), describe(f));
   return text;
 }
 

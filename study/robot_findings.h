@@ -35,14 +35,17 @@ struct RobotFinding {
 ///  - mass over that box's volume in 20 to 2e4 kg/m^3, where no side is below a tenth of the longest;
 ///  - standing height in 0.03 to 3 m, and no shape ten times as large;
 ///  - each servo's torque limit against what standing at home on four legs takes, an error, and on two, a
-///    warning;
-///  - home against limits, and left legs against right: masses, lengths and torque limits to 5 %.
+///    warning; its damping and stiffness against the torque limit;
+///  - home against limits, and left legs against right to 5 %: masses, moments, ranges, every number of
+///    joints (joint_numbers.h), and where they are at home, of the standing height.
 /// Mesh shapes count as what stands for them.
 std::vector<RobotFinding> robot_findings(const LoadedRobot& loaded);
 
 /// Lists the findings, and the robot's warnings (robot_warnings).
 std::vector<RobotFinding> all_findings(const LoadedRobot& loaded, const WorldSpec& world);
 
+/// Writes "link 'shin': ...; likely ...".
+std::string describe(const RobotFinding& finding);
 /// Writes a line for each: "error: link 'shin': ...; likely ...".
 std::string describe(const std::vector<RobotFinding>& findings);
 /// Writes lists of `severity, of, what, likely`.

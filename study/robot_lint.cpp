@@ -12,6 +12,7 @@
 #include "physics/core/read_budget.h"
 #include "physics/core/schema.h"
 #include "physics/core/text.h"
+#include "study/robot_quantities.h"
 #include "study/trial_walk.h"
 #include "study/version.h"
 
@@ -29,11 +30,6 @@ std::string key_of(std::string_view file, std::string_view of, std::string_view 
 
 /// "link" of "link 'shin'".
 std::string rule_of(const RobotFinding& finding) { return finding.of.substr(0, finding.of.find(' ')); }
-
-std::string said_of(const RobotFinding& finding) {
-  return fmt::format("{}: {}{}", finding.of, finding.what,
-                     finding.likely.empty() ? "" : fmt::format("; likely {}", finding.likely));
-}
 
 std::string_view sarif_level(Severity severity) {
   return severity == Severity::kNote ? std::string_view("note") : name(severity);
@@ -66,7 +62,7 @@ std::string lines_of(const LintReport& report) {
   std::string text;
   for (const LintedRobot& robot : report.robots) {
     for (const RobotFinding& finding : robot.findings)
-      text += fmt::format("{}: {}: {}{}\n", robot.file, name(finding.severity), said_of(finding),
+      text += fmt::format("{}: {}: {}{}\n", robot.file, name(finding.severity), describe(finding),
                           report.is_known(robot, finding) ? " (known)" : "");
     if (robot.findings.empty()) text += fmt::format("{}: nothing found\n", robot.file);
   }
@@ -95,7 +91,7 @@ ordered_json sarif_of(const LintReport& report) {
       results.push_back(
           {{"ruleId", rule_of(finding)},
            {"level", sarif_level(finding.severity)},
-           {"message", {{"text", said_of(finding)}}},
+           {"message", {{"text", describe(finding)}}},
            {"baselineState", report.is_known(robot, finding) ? "unchanged" : "new"},
            {"locations",
             ordered_json::array({{{"physicalLocation", {{"artifactLocation", {{"uri", robot.file}}}}}}})}});
@@ -119,7 +115,7 @@ std::string junit_of(const LintReport& report) {
     for (const RobotFinding& finding : robot.findings) {
       const bool fails = finding.severity == Severity::kError && !report.is_known(robot, finding);
       failures += fails ? 1 : 0;
-      const std::string said = escaped(said_of(finding));
+      const std::string said = escaped(describe(finding));
       cases +=
           fmt::format("  <testcase classname=\"{}\" name=\"{}\">{}</testcase>\n", escaped(robot.file), said,
                       fails ? fmt::format("<failure message=\"{}\"/>", said)
@@ -140,7 +136,7 @@ LintedRobot lint_robot(const std::string& file, const std::vector<std::string>& 
   LintedRobot linted{file, {}};
   try {
     const LoadedRobot loaded = load_robot_with_report(file);
-    linted.findings = all_findings(loaded, {});
+    linted.findings = all_findings(loaded, world_of(loaded));
     const bool is_real = linted.findings.empty() || linted.findings.front().severity != Severity::kError;
     const Trial tried = try_robot(std::make_shared<const RobotDescription>(loaded.robot), engines);
     const Trial trial = is_real ? tried : without_advice(tried);

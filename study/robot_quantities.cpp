@@ -56,6 +56,7 @@ class Quantities {
       add(unused.of, unused.name, unused.unit, number ? QuantityValue(*number) : QuantityValue(unused.value),
           QuantityValue(), unused.why);
     }
+    if (!loaded_.robot.loops.empty()) add_loops();
     add_world();
     return std::move(rows_);
   }
@@ -158,6 +159,20 @@ class Quantities {
     softness("coupling_solimp", "-, -, rad, -, -", solimp);
   }
 
+  void add_loops() {
+    const std::optional<Softness>& file = loaded_.report.loop_softness;
+    const Softness& used = loaded_.robot.loop_softness;
+    const auto row = [&](const char* name, const char* unit, List (*numbers)(const Softness&)) {
+      const QuantityValue says = file ? QuantityValue(numbers(*file)) : QuantityValue();
+      add("loops", name, unit, says, numbers(used),
+          !file                             ? "none is given; loop_softness of a robot.yaml changes it"
+          : numbers(*file) == numbers(used) ? kOfFile
+                                            : "loop_softness of the robot.yaml");
+    };
+    row("loop_solref", "s, -", solref);
+    row("loop_solimp", "-, -, m, -, -", solimp);
+  }
+
   void add_foot(Leg leg) {
     const std::string of = fmt::format("foot {}", name(leg));
     const ContactNumbers* file = contact_of_foot(loaded_.robot, loaded_.report, leg);
@@ -222,8 +237,12 @@ class Quantities {
         "semi-implicit in every engine; servos as implicit_stiffness and implicit_damping have them, joints "
         "as "
         "implicit_joint_damping");
+    const bool is_pyramid = file.has_mujoco_defaults && file.cone.value_or("pyramidal") == "pyramidal";
     add("world", "cone", "", word(file.cone), std::string(crossgait::name(world_.contact.cone)),
-        file.cone == crossgait::name(world_.contact.cone) ? kOfFile : "the world's");
+        file.cone == crossgait::name(world_.contact.cone) ? kOfFile
+        : is_pyramid
+            ? "MuJoCo's pyramids, its default, are of no other engine: --contact cone=pyramidal in it alone"
+            : "the world's");
     add("world", "impratio", "", number(file.impratio), world_.contact.impratio,
         file.impratio == world_.contact.impratio ? kOfFile : "the world's");
   }
@@ -288,6 +307,12 @@ std::vector<std::string> step_warnings(const RobotDescription& robot, const Cont
   std::vector<std::string> warnings{softness_warning(robot, contact, dt), servo_loop_warning(robot, dt)};
   std::erase(warnings, "");
   return warnings;
+}
+
+WorldSpec world_of(const LoadedRobot& loaded) {
+  WorldSpec world;
+  world.contact = resolve_contact(loaded.robot.contact, {}, loaded.robot.source);
+  return world;
 }
 
 std::vector<RobotQuantity> robot_quantities(const LoadedRobot& loaded, const WorldSpec& world) {

@@ -33,6 +33,9 @@ std::vector<RobotQuantity> robot_quantities(const LoadedRobot& loaded, const Wor
 /// the file that are not simulated, with both numbers, and servo loops for which the steps are too long.
 std::vector<std::string> robot_warnings(const LoadedRobot& loaded, const WorldSpec& world);
 
+/// Returns a world of usual steps with the contact that the robot asks for.
+WorldSpec world_of(const LoadedRobot& loaded);
+
 /// Says that steps of `dt` (s) are too long for a robot's explicit servos, with numbers; empty if they are
 /// not (stiffest_servo_loop below 1).
 std::string servo_loop_warning(const RobotDescription& robot, double dt);

@@ -65,7 +65,7 @@ Standing stand_in(PhysicsBackend& world, const std::string& engine, double secon
     if (i < steps - averaged) continue;
     const double share = 1 / static_cast<double>(averaged);
     reached += share * world.state().q;
-    torques += share * world.torques();
+    torques += share * world.servo_torques();
     borne += share * borne_by_others(world);
     standing.height += share * world.state().p_WB.z();
   }

@@ -13,7 +13,7 @@ namespace crossgait {
 struct StandingJoint {
   std::string name;
   double target = 0, reached = 0;  ///< rad
-  double torque = 0;               ///< of servo, damping and spring, N m
+  double torque = 0;               ///< of the servo, N m
   double share_of_effort = 0;      ///< of the torque limit in that direction, 0 to 1
 };
 

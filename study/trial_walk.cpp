@@ -65,7 +65,7 @@ std::vector<std::string> complaints_of(const TrialWalk& walk) {
 bool saturated(const RobotDescription& robot, const std::vector<int>& servos, const PhysicsBackend& world) {
   return std::any_of(servos.begin(), servos.end(), [&](int i) {
     const Joint& joint = robot.joint(i);
-    const double torque = world.torques()[i];
+    const double torque = world.servo_torques()[i];
     return torque >= joint.effort_limit || -torque >= negative_effort(joint);
   });
 }

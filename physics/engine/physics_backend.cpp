@@ -73,7 +73,7 @@ PhysicsBackend::PhysicsBackend(WorldSpec spec) : spec_(std::move(spec)) {
   actuated_ = spec_.robot->actuated_joints();
   drives_ = Drives(*spec_.robot, spec_.physics_dt);
   const int n = spec_.robot->joint_count();
-  state_.q = state_.qd = torques_ = JointVector::Zero(n);
+  state_.q = state_.qd = torques_ = servo_torques_ = JointVector::Zero(n);
   next_ = state_;
   wrenches_.reserve(kMaxWrenches);
   poses_.reserve(spec_.robot->bodies.size());
@@ -132,6 +132,7 @@ void PhysicsBackend::reset(const RobotState& state) {
   push_.setZero();
   wrenches_.clear();
   torques_.setZero();
+  servo_torques_.setZero();
   contacts_.clear();
   drives_.restart();
   do_reset(state);
@@ -141,16 +142,19 @@ void PhysicsBackend::reset(const RobotState& state) {
 
 void PhysicsBackend::compute_torques(const JointTargets& targets) noexcept {
   const RobotDescription& robot = *spec_.robot;
+  servo_torques_.setZero();
+  drives_.add_torques(targets, state_, servo_torques_);
   for (int i = 0; i < robot.joint_count(); ++i)
-    torques_[i] = passive_torque(robot.joint(i), state_.q[i], state_.qd[i]);
-  drives_.add_torques(targets, state_, torques_);
+    torques_[i] = passive_torque(robot.joint(i), state_.q[i], state_.qd[i]) + servo_torques_[i];
 }
 
 // What implicit servos did in the step that was made.
 void PhysicsBackend::add_implicit_torques() noexcept {
   for (const ImplicitServo& servo : implicit_servos()) {
     const double acceleration = (next_.qd[servo.joint] - state_.qd[servo.joint]) / spec_.physics_dt;
-    torques_[servo.joint] += servo.torque_at(acceleration);
+    const double torque = servo.torque_at(acceleration);
+    torques_[servo.joint] += torque;
+    servo_torques_[servo.joint] += torque;
   }
 }
 
@@ -263,7 +267,8 @@ void PhysicsBackend::apply_wrench(const BodyWrench& wrench) {
 }
 
 Snapshot PhysicsBackend::save() const {
-  Snapshot snapshot{info().name, state_, contacts_, torques_, push_, diverged_, {}, {}, wrenches_};
+  Snapshot snapshot{info().name, state_,    contacts_, torques_, servo_torques_,
+                    push_,       diverged_, {},        {},       wrenches_};
   drives_.save(snapshot.drives);
   do_save(snapshot.engine);
   return snapshot;
@@ -288,6 +293,7 @@ void PhysicsBackend::restore(const Snapshot& snapshot) {
   state_ = snapshot.state;
   contacts_ = snapshot.contacts;
   torques_ = snapshot.torques;
+  servo_torques_ = snapshot.servo_torques;
   push_ = snapshot.push;
   diverged_ = snapshot.diverged;
   wrenches_ = snapshot.wrenches;

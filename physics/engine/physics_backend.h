@@ -93,7 +93,7 @@ struct Snapshot {
   std::string engine_name;  ///< EngineInfo::name it came from
   RobotState state;
   ContactList contacts;
-  JointVector torques;
+  JointVector torques, servo_torques;
   Vector3 push = Vector3::Zero();
   bool diverged = false;
   std::vector<double> drives;  ///< targets that are on their way
@@ -154,8 +154,10 @@ class PhysicsBackend {
   /// Returns contacts of the last physics step, at the configuration it began with. Empty after reset.
   const ContactList& contacts() const noexcept { return contacts_; }
   LegArray<FootContact> foot_contacts() const noexcept;
-  /// Returns torques applied in the last physics step, N m (servo minus damping).
+  /// Returns torques applied in the last physics step, N m: servo, damper and spring of each joint.
   const JointVector& torques() const noexcept { return torques_; }
+  /// Returns what servos applied of them, N m.
+  const JointVector& servo_torques() const noexcept { return servo_torques_; }
 
   /// Returns the height of the terrain under (x, y), asked of the engine's own geometry by a ray, m. NaN
   /// where there is none.
@@ -222,7 +224,7 @@ class PhysicsBackend {
   Drives drives_;
   RobotState state_;
   ContactList contacts_;
-  JointVector torques_;
+  JointVector torques_, servo_torques_;
   RobotState next_;                 ///< read back here, so that a diverged state never replaces a good one
   Vector3 push_ = Vector3::Zero();  ///< N s, pending
   std::vector<BodyWrench> wrenches_;

@@ -122,6 +122,20 @@ double RobotDescription::total_mass() const {
   return mass;
 }
 
+int leg_of_shape(const RobotDescription& robot, int body, int shape) noexcept {
+  constexpr double kFootPart = 0.3;
+  if (!robot.legs) return -1;
+  const CollisionShape& s =
+      robot.bodies[static_cast<std::size_t>(body)].shapes[static_cast<std::size_t>(shape)];
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*robot.legs)[leg];
+    if (model.foot_body == body && s.type == ShapeType::kSphere &&
+        (s.X_BG.translation() - model.p_BF).norm() <= kFootPart * model.p_BF.norm() + 1e-9)
+      return static_cast<int>(leg);
+  }
+  return -1;
+}
+
 bool RobotDescription::has_joint_friction() const noexcept {
   return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.joint.friction > 0; });
 }

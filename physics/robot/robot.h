@@ -244,21 +244,9 @@ struct RobotDescription {
   void validate() const;
 };
 
-/// Returns the index of the leg whose foot is shape `shape` of body `body`, or -1: the sphere centred on the
-/// foot's frame.
-inline int leg_of_shape(const RobotDescription& robot, int body, int shape) {
-  if (!robot.legs) return -1;
-  const CollisionShape& s =
-      robot.bodies[static_cast<std::size_t>(body)].shapes[static_cast<std::size_t>(shape)];
-  for (const Leg leg : kLegs) {
-    const LegModel& model = (*robot.legs)[leg];
-    if (model.foot_body == body && s.type == ShapeType::kSphere &&
-        s.X_BG.translation().isApprox(model.p_BF, 1e-9)) {
-      return static_cast<int>(leg);
-    }
-  }
-  return -1;
-}
+/// Returns the index of the leg of whose foot the shape `shape` of body `body` is, or -1: spheres that are no
+/// farther from the foot's centre than 0.3 of its way from the body's joint.
+int leg_of_shape(const RobotDescription& robot, int body, int shape) noexcept;
 
 /// Reads `robot.yaml` (which names its URDF, MJCF or SDF), or a bare file of these (robot_formats.h) with,
 /// if there is one, a `.yaml` of the same stem or `robot.yaml` beside it. What the files do not say is

@@ -1,12 +1,17 @@
 #include "physics/robot_files/joint_limits.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+
+#include <fmt/format.h>
 
 namespace crossgait {
 namespace {
 
 /// Beyond this a limit is a placeholder, rad; not beyond are those of whole turns, rounded.
 constexpr double kLargestLimit = 2 * std::numbers::pi;
+constexpr double kManyTurns = 20, kMostDegrees = 360;  // rad; degrees of one turn
 
 }  // namespace
 
@@ -18,7 +23,11 @@ void set_limits(double lower, double upper, std::string_view element, Joint& joi
   joint.upper = high ? unlimited.upper : upper;
   joint.limited = !(low && high);
   if (low || high) {
-    warnings.count("took limits beyond +-2 pi rad for +-pi in ", " joint(s)", element);
+    const double larger = std::max(std::abs(lower), std::abs(upper));
+    const bool are_degrees = larger > kManyTurns && larger <= kMostDegrees;
+    warnings.count(
+        fmt::format("took limits beyond +-2 pi rad{} for +-pi in ", are_degrees ? ", likely degrees," : ""),
+        " joint(s)", element);
   }
   if (joint.lower >= joint.upper) {
     joint.lower = unlimited.lower;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -57,15 +58,18 @@ struct ParsedRobot {
   std::map<std::string, std::vector<Vector3>> mesh_vertices;
   // What a URDF cannot say, for one. Likewise kp, kd and armature of joints; 0 is not given.
   std::vector<LinkLoop> loops;
-  std::map<std::string, double> home;  ///< angles by joint, rad; empty if not given
-  std::string home_name;               ///< of the pose, for people
+  std::optional<Softness> loop_softness;  ///< of all of them
+  std::map<std::string, double> home;     ///< angles by joint, rad; empty if not given
+  std::string home_name;                  ///< of the pose, for people
   /// Where a joint's numbers come from, by joint and number, where the number itself does not say it.
   std::map<std::string, std::map<std::string, std::string>> reasons;
   /// Speeds that the file lets joints have, rad/s, by joint; nothing is simulated by them.
   std::map<std::string, double> velocity_limits;
   std::vector<UnusedQuantity> unused;
   std::vector<NamedCoupling> couplings;
-  std::set<std::string> servos;        ///< joints that have one, by the file; empty if it says none
+  std::set<std::string> servos;  ///< joints that have one, by the file; empty if it says none
+  /// Joints in the order of their actuators, and in that of the file; empty of a file without actuators.
+  std::vector<std::string> actuator_order, joint_order;
   std::map<std::string, double> held;  ///< joints that the file itself holds, and at which angle, rad
   /// Joints that something else moves in ways that are not simulated, by joint: "is driven by ...".
   std::map<std::string, std::string> coupled;

@@ -1,9 +1,11 @@
 #include "physics/robot_files/robot_builder.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "physics/robot/robot_members.h"
 #include "physics/robot_files/robot_contact.h"
@@ -46,6 +48,7 @@ RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, s
   for (const NamedCoupling& coupling : parsed_.couplings)
     report_.couplings_of_file.emplace(coupling.follower, coupling);
   report_.contact = parsed_.contact;
+  report_.loop_softness = parsed_.loop_softness;
 }
 
 LoadedRobot RobotBuilder::load() {
@@ -54,6 +57,7 @@ LoadedRobot RobotBuilder::load() {
   read_frame_and_legs();
   take_couplings();
   take_loops();
+  robot_.loop_softness = parsed_.loop_softness.value_or(robot_.loop_softness);
   read_softness("loop_softness", robot_.loop_softness);
   read_softness("friction_softness", robot_.friction_softness);
   for (Body& body : robot_.bodies) read_softness("limit_softness", body.joint.limit_softness);
@@ -61,6 +65,7 @@ LoadedRobot RobotBuilder::load() {
   robot_.contact = contact_of_feet(robot_, report_);
   if (const auto contact = find("contact")) robot_.contact.add(read_contact_settings(*contact));
   name_servos();
+  warn_of_actuator_order();
   check_before_home();
   read_heights_and_home();
   read_servos(yaml_, unknown_effort_, servos_, robot_, report_);
@@ -85,6 +90,23 @@ const LinkPlacement& RobotBuilder::link(const YamlValue& value) const {
 
 int RobotBuilder::body_of(const LinkPlacement& placement) const {
   return body_index_[static_cast<std::size_t>(placement.body)];
+}
+
+void RobotBuilder::warn_of_actuator_order() {
+  const auto of_servos = [this](const std::vector<std::string>& joints) {
+    std::vector<std::string> servos;
+    for (const std::string& joint : joints) {
+      const auto& found = std::ranges::find(robot_.bodies, joint, [](const Body& b) { return b.joint.name; });
+      if (found != robot_.bodies.end() && found->joint.actuated) servos.push_back(joint);
+    }
+    return servos;
+  };
+  const std::vector<std::string> order = of_servos(parsed_.actuator_order);
+  if (order.size() != robot_.actuated_joints().size() || order == of_servos(parsed_.joint_order)) return;
+  report_.warnings.push_back(
+      fmt::format("actuators stand in another order than joints: a policy made on ctrl has `joints: "
+                  "{{order: [{}]}}` in its environment",
+                  fmt::join(order, ", ")));
 }
 
 void RobotBuilder::read_loops() {

@@ -67,6 +67,10 @@ class RobotBuilder {
   void read_softness(std::string_view key, Softness& softness);
   static void read_softness(const YamlValue& values, Softness& softness);
 
+  /// Says in which order the servos' actuators stand, where it is not the joints': a policy that was made on
+  /// MuJoCo's `ctrl` counts by actuators, Crossgait by joints.
+  void warn_of_actuator_order();
+
   // robot_feet.cpp
   void read_feet();
   void infer_foot(Leg leg);
@@ -79,7 +83,8 @@ class RobotBuilder {
   void read_foot(const YamlValue& value, Leg leg);
   Body& set_foot(Leg leg, int body_index, const Vector3& p_BF, double radius);
   /// Puts a sphere in the place of the body's shapes where there is none there.
-  void put_foot(Leg leg, int body_index, const Vector3& p_BF, double radius);
+  /// @param is_there  whether the body has spheres that are the foot, wherever their middle is
+  void put_foot(Leg leg, int body_index, const Vector3& p_BF, double radius, bool is_there = false);
 
   // robot_home.cpp: the home pose, and the heights that follow from it.
   /// Checks what the home pose is found by, before it is.

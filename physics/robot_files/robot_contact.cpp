@@ -62,12 +62,15 @@ ContactSettings contact_of_feet(const RobotDescription& robot, RobotReport& repo
   ContactSettings settings;
   const ContactOfFile& file = report.contact;
   if (file.impratio) settings.set("impratio", std::vector{*file.impratio}, report.file, "option, impratio");
-  if (file.cone) settings.set("cone", *file.cone, report.file, "option, cone");
+  // A pyramidal cone is one that no engine but MuJoCo has: all would be refused.
+  if (file.cone == "elliptic") settings.set("cone", *file.cone, report.file, "option, cone");
   if (!robot.legs) return settings;
   const ContactNumbers* first = nullptr;
+  std::vector<std::string> apart;
   for (const Leg leg : kLegs) {
     const ContactNumbers* numbers = contact_of_foot(robot, report, leg);
     if (numbers == nullptr) continue;
+    if (numbers->not_simulated.contains("contype")) apart.emplace_back(name(leg));
     if (first == nullptr) {
       first = numbers;
       settings.add(settings_of(*numbers, file.has_mujoco_defaults, report.file, leg));
@@ -78,6 +81,10 @@ ContactSettings contact_of_feet(const RobotDescription& robot, RobotReport& repo
           name(leg), numbers->friction[0], numbers->condim, first->friction[0], first->condim));
     }
   }
+  if (!apart.empty())
+    report.warnings.push_back(
+        fmt::format("feet {} do not touch {} in the file, by contype and conaffinity; here they do",
+                    fmt::join(apart, ", "), file.ground));
   return settings;
 }
 

@@ -44,7 +44,7 @@ void RobotBuilder::infer_foot(Leg leg) {
         fmt::format("sphere of radius {:.4g} m at ({:.4g}, {:.4g}, {:.4g}) m of '{}'", foot.radius, p.x(),
                     p.y(), p.z(), parsed_.bodies[static_cast<std::size_t>(in_file)].name),
         foot.reason);
-  put_foot(leg, last, foot.p_BF, foot.radius);
+  put_foot(leg, last, foot.p_BF, foot.radius, foot.shape >= 0);
 }
 
 void RobotBuilder::infer_five_bar_foot(Leg leg) {
@@ -135,15 +135,15 @@ Body& RobotBuilder::set_foot(Leg leg, int body_index, const Vector3& p_BF, doubl
   return robot_.bodies[static_cast<std::size_t>(body_index)];
 }
 
-void RobotBuilder::put_foot(Leg leg, int body_index, const Vector3& p_BF, double radius) {
+void RobotBuilder::put_foot(Leg leg, int body_index, const Vector3& p_BF, double radius, bool is_there) {
   Body& body = set_foot(leg, body_index, p_BF, radius);
   if (const std::size_t count = leave_out_around(parsed_, p_BF, radius, body); count > 0) {
     if (left_out_ == 0) first_left_out_ = body.name;
     left_out_ += count;
   }
-  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
-    if (leg_of_shape(robot_, body_index, static_cast<int>(i)) == static_cast<int>(leg)) return;
-  }
+  for (const CollisionShape& shape : body.shapes)
+    is_there |= shape.type == ShapeType::kSphere && shape.X_BG.translation().isApprox(p_BF, 1e-9);
+  if (is_there) return;
   body.shapes.clear();
   CollisionShape foot;
   foot.name = fmt::format("{}_foot", name(leg));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -32,6 +33,7 @@ struct RobotReport {
   /// Those that the robot's file says, simulated or not, by their follower.
   std::map<std::string, NamedCoupling> couplings_of_file;
   ContactOfFile contact;
+  std::optional<Softness> loop_softness;    ///< of the file
   std::map<Leg, std::string> feet_of_file;  ///< the shape of the file nearest to a foot, where there is one
 };
 

@@ -76,7 +76,7 @@ constexpr const char* kEffortRule =
 /// Torque limits of servos for which no robot.yaml speaks.
 void fill_efforts(const ServoRule& rule, const std::set<int>& unknown, RobotDescription& robot,
                   RobotReport& report) {
-  Group filled, overridden;
+  Group filled, overridden, unlimited;
   const std::string reason = fmt::format(fmt::runtime(kEffortRule), rule.largest_real_effort);
   for (const LegModel& leg : *robot.legs) {
     for (const int i : leg.servos) {
@@ -84,6 +84,8 @@ void fill_efforts(const ServoRule& rule, const std::set<int>& unknown, RobotDesc
       if (unknown.count(i) == 0 && joint.effort_limit < rule.largest_real_effort) continue;
       filled.add(joint.name, rule.effort_limit);
       if (unknown.count(i) == 0) overridden.add(joint.name, joint.effort_limit);
+      if (unknown.count(i) != 0 && report.joints_of_file[joint.name].kp > 0)
+        unlimited.add(joint.name, rule.effort_limit);
       joint.effort_limit = rule.effort_limit;
       joint.effort_negative = 0;
       report.reasons[joint.name]["effort"] = reason;
@@ -92,6 +94,10 @@ void fill_efforts(const ServoRule& rule, const std::set<int>& unknown, RobotDesc
   if (filled.empty()) return;
   report.inferred.push_back(
       {"effort", fmt::format("{:.3g} N m, of {}", rule.effort_limit, filled.of()), reason});
+  if (!unlimited.empty())
+    report.warnings.push_back(fmt::format(
+        "the file sets no limit to the torque of {}, whose kp it gives: {:.3g} N m is used (0.8 m g h)",
+        unlimited.of(), rule.effort_limit));
   if (overridden.empty()) return;
   report.warnings.push_back(
       fmt::format("the file's torque limit of {} N m of {} is that of no servo of this "
@@ -103,7 +109,12 @@ void fill_efforts(const ServoRule& rule, const std::set<int>& unknown, RobotDesc
 constexpr double kSoft = 0.4;
 
 void warn_of_gains(const ServoRule& rule, const Group& of_file, const Group& of_rule, const Group& undamped,
-                   const Group& soft, RobotReport& report) {
+                   const Group& soft, const Group& velocity, RobotReport& report) {
+  if (!velocity.empty())
+    report.warnings.push_back(
+        fmt::format("the file gives kd {} N m s/rad and no kp for {}: kp {:.3g} N m/rad and kd {:.3g} N m "
+                    "s/rad are used by rule",
+                    velocity.numbers(), velocity.of(), rule.kp, rule.kd));
   if (!of_rule.empty() && !of_file.empty())
     report.warnings.push_back(fmt::format(
         "the file gives no kp for {}, beside kp {} N m/rad of {}: kp {:.3g} N m/rad and kd {:.3g} "
@@ -124,7 +135,7 @@ void warn_of_gains(const ServoRule& rule, const Group& of_file, const Group& of_
 
 void infer_gains(const ServoRule& rule, const std::set<int>& unknown, RobotDescription& robot,
                  RobotReport& report) {
-  Group of_file, undamped, of_rule, soft;
+  Group of_file, undamped, of_rule, soft, velocity;
   for (const LegModel& leg : *robot.legs) {
     for (const int i : leg.servos) {
       Joint& joint = joint_of(robot, i);
@@ -132,6 +143,7 @@ void infer_gains(const ServoRule& rule, const std::set<int>& unknown, RobotDescr
       (has_kp ? of_file : of_rule).add(joint.name, has_kp ? joint.kp : rule.kp);
       if (has_kp && joint.kp < kSoft * rule.kp) soft.add(joint.name, joint.kp);
       if (has_kp && is_damped) continue;
+      if (!has_kp && joint.kd > 0) velocity.add(joint.name, joint.kd);
       // A stiffness of the file is damped as the rule's would be.
       joint.kd = has_kp ? rule.kd * joint.kp / rule.kp : rule.kd;
       if (has_kp) undamped.add(joint.name, joint.kd);
@@ -160,7 +172,7 @@ void infer_gains(const ServoRule& rule, const std::set<int>& unknown, RobotDescr
                                fmt::format("kp {:.3g} N m/rad, kd {:.3g} N m s/rad", rule.kp, rule.kd),
                                "kp = 3 m g h; damping ratio 0.3 of a leg that gives way by 0.03 h"});
   }
-  warn_of_gains(rule, of_file, of_rule, undamped, soft, report);
+  warn_of_gains(rule, of_file, of_rule, undamped, soft, velocity, report);
   fill_efforts(rule, unknown, robot, report);
 }
 
@@ -179,16 +191,18 @@ void set_armatures(const std::optional<YamlValue>& given, const ServoRule& rule,
   int of_rule = 0;
   for (int i = 0; i < robot.joint_count(); ++i) {
     Joint& joint = joint_of(robot, i);
-    if (!given && joint.armature > 0) continue;
+    // Rods and other joints without a motor have no rotor, and a file with gains is a whole machine.
+    if (!given && (joint.armature > 0 || joint.kp > 0 || !joint.actuated)) continue;
     joint.armature = given ? given->number() : rule.armature;
     report.reasons[joint.name]["armature"] = given ? kOfYaml : ".005 m h^2";
     of_rule += given ? 0 : 1;
   }
   if (of_rule == 0) return;
-  report.inferred.push_back({"armature", fmt::format("{:.3g} kg m^2", rule.armature),
-                             of_rule == robot.joint_count()
-                                 ? ".005 m h^2, of every joint"
-                                 : fmt::format(".005 m h^2, of {} of whose the file says nothing", of_rule)});
+  report.inferred.push_back(
+      {"armature", fmt::format("{:.3g} kg m^2", rule.armature),
+       of_rule == robot.joint_count()
+           ? ".005 m h^2, of every joint"
+           : fmt::format(".005 m h^2, of {} servos of which the file says nothing", of_rule)});
 }
 
 void read_gains(const YamlValue& servo, const std::set<int>& unknown, RobotDescription& robot,

@@ -307,12 +307,51 @@ TEST_F(MjcfServos, LegsOnTheWorldHadABaseOnce) {
 }
 
 TEST_F(MjcfServos, AnotherOrderOfActuatorsIsSaid) {
-  (void)hip(R"(<motor joint="FR_hip"/><motor joint="FL_hip"/>)");
-  EXPECT_TRUE(
-      warned("actuators stand in another order than joints: a policy made on ctrl has `joints: {order: "
-             "[FR_hip, FL_hip]}`"));
-  (void)hip(R"(<motor joint="FL_hip"/><motor joint="FR_hip"/>)");
-  EXPECT_FALSE(warned("another order"));
+  const auto warnings = [&](std::initializer_list<const char*> order) {
+    MadeMjcf mjcf;
+    for (const char* joint : order) mjcf.sections += fmt::format("<motor joint=\"{}\"/>", joint);
+    mjcf.sections = "<actuator>" + mjcf.sections + "</actuator>";
+    // A joint with an actuator that is no servo of a leg: it is held.
+    mjcf.trunk += R"(<body name="tail"><joint name="tail"/><geom size=".05" mass=".1"/></body>)";
+    return load(mjcf).report.warnings;
+  };
+  EXPECT_TRUE(warns(
+      warnings({"FR_hip", "FR_knee", "FL_hip", "FL_knee", "tail", "RL_hip", "RL_knee", "RR_hip", "RR_knee"}),
+      "actuators stand in another order than joints: a policy made on ctrl has `joints: {order: "
+      "[FR_hip, FR_knee, FL_hip, FL_knee, RL_hip, RL_knee, RR_hip, RR_knee]}`"));
+  EXPECT_FALSE(warns(
+      warnings({"FL_hip", "FL_knee", "FR_hip", "FR_knee", "RL_hip", "RL_knee", "RR_hip", "tail", "RR_knee"}),
+      "another order"));
+}
+
+// What the file says of a machine is all of it: without a rotor there is none, and no limit is one.
+TEST_F(MjcfServos, WithGainsOfTheFileNothingIsMadeUpOfInertia) {
+  MadeMjcf mjcf;
+  mjcf.hip_joint = R"(armature="0.01")";
+  std::string servos;
+  for (const Leg leg : kLegs)
+    servos += fmt::format(
+        R"(<position joint="{0}_hip" kp="60" kv="1"/><position joint="{0}_knee" kp="60" kv="1"/>)",
+        name(leg));
+  mjcf.sections = "<actuator>" + servos + "</actuator>";
+  const auto [robot, report] = load(mjcf);
+  const LegModel& leg = (*robot.legs)[Leg::FL];
+  EXPECT_EQ(robot.joint(leg.joint("hip")).armature, 0.01);
+  EXPECT_EQ(robot.joint(leg.joint("knee")).armature, 0);
+  EXPECT_TRUE(warns(report.warnings, "the file sets no limit to the torque of 8 joint(s) from 'FL_hip'"));
+  mjcf.sections = "";
+  EXPECT_GT(load(mjcf).robot.joint(leg.joint("knee")).armature, 0);
+}
+
+TEST_F(MjcfServos, ADamperWithoutASpringIsSaid) {
+  MadeMjcf mjcf;
+  for (const Leg leg : kLegs)
+    mjcf.sections +=
+        fmt::format(R"(<velocity joint="{0}_hip" kv="2"/><velocity joint="{0}_knee" kv="2"/>)", name(leg));
+  mjcf.sections = "<actuator>" + mjcf.sections + "</actuator>";
+  EXPECT_TRUE(warns(load(mjcf).report.warnings, "the file gives kd 2 N m s/rad and no kp for 8 joint(s)"));
+  (void)hip(R"(<general joint="FL_hip" gainprm="60" biastype="affine" biasprm="0 -40 0"/>)");
+  EXPECT_TRUE(warned("takes targets for angles, which are 1.5 times the controls"));
 }
 
 // MuJoCo 4.0.0 and 2.2.2 combine these to the same numbers (margins apart).

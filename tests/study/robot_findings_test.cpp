@@ -103,9 +103,71 @@ TEST(RobotFindings, LeftIsHeldAgainstRightAndHomeAgainstLimits) {
   const int knee = (*loaded.robot.legs)[Leg::RL].joint("knee");
   loaded.robot.bodies[static_cast<std::size_t>(knee) + 1].joint.upper = loaded.robot.home[knee] + 0.001;
   const auto findings = robot_findings(loaded);
-  EXPECT_NE(finding_of(findings, "legs", "left and right are unlike: mass"), nullptr);
+  EXPECT_NE(finding_of(findings, "legs", "left and right are unlike: masses of"), nullptr);
   EXPECT_NE(finding_of(findings, fmt::format("joint '{}'", loaded.robot.joint(knee).name), "at its limit"),
             nullptr);
+}
+
+TEST(RobotFindings, LegsThatAreNoMirrorImagesAreTold) {
+  LoadedRobot loaded = quadruped();
+  const int knee = (*loaded.robot.legs)[Leg::FR].joint("knee");
+  Body& shin_of_right = loaded.robot.bodies[static_cast<std::size_t>(knee) + 1];
+  shin_of_right.X_PB.translation().y() += 0.05;
+  shin_of_right.joint.kp *= 2;
+  shin_of_right.inertia.I_C *= 1.5;
+  shin_of_right.joint.lower -= 0.5;
+  const auto findings = robot_findings(loaded);
+  for (const char* what : {"at home their joints are at", "kp of", "moments (sums of three) of", "ranges of"})
+    EXPECT_NE(finding_of(findings, "legs", std::string("left and right are unlike: ") + what), nullptr)
+        << what;
+}
+
+TEST(RobotFindings, DampersAndSpringsThatTakeAllOfAServoAreTold) {
+  LoadedRobot loaded = quadruped();
+  const int knee = (*loaded.robot.legs)[Leg::FL].joint("knee");
+  Joint& joint = loaded.robot.bodies[static_cast<std::size_t>(knee) + 1].joint;
+  const std::string of = fmt::format("joint '{}'", joint.name);
+  EXPECT_EQ(finding_of(robot_findings(loaded), of, "takes all of its torque limit"), nullptr);
+  joint.damping = joint.effort_limit;
+  joint.kp = 100 * joint.effort_limit;
+  EXPECT_NE(finding_of(robot_findings(loaded), of, "takes all of its torque limit"), nullptr);
+  EXPECT_NE(finding_of(robot_findings(loaded), of, "asks for all of its torque limit"), nullptr);
+}
+
+TEST(RobotDifference, SeesWhereThingsAreAndHowTheyTouch) {
+  const LoadedRobot a = quadruped();
+  LoadedRobot b = quadruped();
+  const auto has = [&](const std::string& of, const std::string& name) {
+    const RobotDifference difference = robot_difference(a.robot, b.robot);
+    return std::ranges::any_of(difference.unlike,
+                               [&](const UnlikeQuantity& q) { return q.of == of && q.name == name; });
+  };
+  const int hip = (*b.robot.legs)[Leg::FR].joint("hip");
+  Body& thigh = b.robot.bodies[static_cast<std::size_t>(hip) + 1];
+  thigh.X_PB.translation().y() *= -1;
+  thigh.joint.lower -= 0.2;
+  thigh.joint.target_upper = 1;
+  b.robot.bodies[0].inertia.p_BC.x() += 0.03;
+  b.robot.contact.set("condim", std::vector{4.0}, "test", "condim");
+  EXPECT_TRUE(has("FR hip", "place at home, y"));
+  EXPECT_TRUE(has("FR hip", "range, least"));
+  EXPECT_FALSE(has("FR hip", "range, most"));
+  EXPECT_TRUE(has("FR hip", "targets, most"));
+  EXPECT_TRUE(has("base", "centre of mass at home, x"));
+  EXPECT_TRUE(has("contact", "condim"));
+}
+
+// An axis that points the other way, with limits and home to match, is the same joint.
+TEST(RobotDifference, DoesNotMindWhichWayAnAxisPoints) {
+  const LoadedRobot a = quadruped();
+  LoadedRobot b = quadruped();
+  const int knee = (*b.robot.legs)[Leg::RL].joint("knee");
+  Joint& joint = b.robot.bodies[static_cast<std::size_t>(knee) + 1].joint;
+  joint.axis = -joint.axis;
+  std::swap(joint.lower, joint.upper);
+  joint.lower = -joint.lower, joint.upper = -joint.upper;
+  b.robot.home[knee] = -b.robot.home[knee];
+  EXPECT_TRUE(robot_difference(a.robot, b.robot).unlike.empty());
 }
 
 TEST(RobotDifference, IsWhatIsUnlikeWhateverItIsCalled) {

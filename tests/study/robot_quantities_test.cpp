@@ -85,6 +85,28 @@ TEST(RobotQuantities, ContactThatTheFileSaysAndNothingSimulatesIsWarnedOfWithBot
   EXPECT_FALSE(any_holds(warnings, "cone"));
 }
 
+TEST(RobotQuantities, APyramidOfTheFileIsNoPyramidOfTheWorldAndSaid) {
+  LoadedRobot loaded = serial();
+  loaded.report.contact.has_mujoco_defaults = true;
+  const auto cone = [&] { return find(robot_quantities(loaded, world_of(loaded)), "world", "cone"); };
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(cone().file));
+  EXPECT_TRUE(cone().why.starts_with("MuJoCo's pyramids, its default, are of no other engine")) << cone().why;
+  loaded.report.contact.cone = "pyramidal";
+  EXPECT_EQ(std::get<std::string>(cone().used), "elliptic");
+  EXPECT_TRUE(
+      any_holds(robot_warnings(loaded, world_of(loaded)), "cone pyramidal of the file (elliptic is used)"));
+}
+
+TEST(RobotQuantities, SoftnessOfLoopsIsARow) {
+  LoadedRobot loaded{load_robot(find_robot("scara_quadruped")), {}};
+  const auto row = [&] { return find(robot_quantities(loaded, {}), "loops", "loop_solref"); };
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(row().file));
+  loaded.report.loop_softness = loaded.robot.loop_softness;
+  EXPECT_EQ(row().why, "the file");
+  loaded.report.loop_softness->time_constant *= 2;
+  EXPECT_EQ(row().why, "loop_softness of the robot.yaml");
+}
+
 TEST(RobotQuantities, WhatIsNotSimulatedIsARowWithoutAUsedNumber) {
   LoadedRobot loaded = serial();
   const std::string joint = loaded.robot.joint(0).name;

@@ -43,6 +43,24 @@ TEST(Stand, TorquesAreThoseOfSpringsAtRest) {
   }
 }
 
+// A spring beside a servo carries its part, and the servo the rest.
+TEST(Stand, TorquesAreTheServosAlone) {
+  WorldSpec world = world_of("serial_quadruped");
+  RobotDescription sprung = *world.robot;
+  for (std::size_t i = 1; i < sprung.bodies.size(); ++i) {
+    sprung.bodies[i].joint.stiffness = 10;
+    sprung.bodies[i].joint.friction = 0;
+  }
+  world.robot = std::make_shared<const RobotDescription>(sprung);
+  for (const Standing& standing : stand(world, {"mujoco"}, 2)) {
+    for (const StandingJoint& stands : standing.joints) {
+      const Joint& joint = sprung.joint(static_cast<int>(&stands - standing.joints.data()));
+      ASSERT_EQ(stands.name, joint.name);
+      EXPECT_NEAR(stands.torque, joint.kp * (stands.target - stands.reached), 5e-3 * joint.kd) << joint.name;
+    }
+  }
+}
+
 TEST(Stand, ServosThatAreTooWeakCollapse) {
   WorldSpec world = world_of("serial_quadruped");
   RobotDescription weak = *world.robot;

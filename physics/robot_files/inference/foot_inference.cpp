@@ -49,6 +49,25 @@ std::optional<Ball> fit_ball(const std::vector<Vector3>& points) {
   return rms < kRoundness * ball.radius ? std::optional(ball) : std::nullopt;
 }
 
+/// Moves a foot that is one of several like spheres, as far from the knee, to their middle.
+void put_between_toes(const Body& body, FootPlace& foot) {
+  constexpr double kAlike = 0.05, kApart = 0.3;  // of the way from the knee, and of radii
+  const double reach = foot.p_BF.norm(), far = across(foot.p_BF, body.joint.axis).norm();
+  Vector3 sum = Vector3::Zero();
+  int toes = 0;
+  for (const CollisionShape& shape : body.shapes) {
+    const Vector3& p = shape.X_BG.translation();
+    if (shape.type != ShapeType::kSphere || std::abs(shape.size[0] - foot.radius) > kAlike * foot.radius ||
+        far - across(p, body.joint.axis).norm() > kAlike * far || (p - foot.p_BF).norm() > kApart * reach)
+      continue;
+    sum += p;
+    ++toes;
+  }
+  if (toes < 2) return;
+  foot.p_BF = sum / toes;
+  foot.reason = fmt::format("the middle of {} spheres as far from the knee as any", toes);
+}
+
 /// The foot of a link without a collision sphere, from what is farthest along it.
 FootPlace foot_at_the_tip(const std::vector<Vector3>& points, const Vector3& axis) {
   const auto along = [&axis](const Vector3& p) { return across(p, axis).norm(); };
@@ -133,6 +152,7 @@ std::optional<FootPlace> find_foot(const ParsedRobot& robot, const Body& body) {
   }
   if (farthest >= 0) {
     foot.reason = "sphere farthest from the knee";
+    put_between_toes(body, foot);
     return foot;
   }
   if (farthest_end > kFarHalf * reach) {

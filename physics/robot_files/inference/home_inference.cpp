@@ -169,15 +169,23 @@ void set_leg(const LegModel& model, const std::vector<double>& angles, JointVect
 
 [[noreturn]] void fail_to_stand(const RobotDescription& robot, Leg leg, double height) {
   std::vector<std::string> limits;
-  for (const int joint : (*robot.legs)[leg].joints())
-    limits.push_back(fmt::format("'{}' {:.3g}..{:.3g}", robot.joint(joint).name, robot.joint(joint).lower,
-                                 robot.joint(joint).upper));
+  double widest = 0;
+  for (const int i : (*robot.legs)[leg].joints()) {
+    const Joint& joint = robot.joint(i);
+    widest = std::max({widest, std::abs(joint.lower), std::abs(joint.upper)});
+    limits.push_back(fmt::format("'{}' {:.3g}..{:.3g}", joint.name, joint.lower, joint.upper));
+  }
+  constexpr double kOfRadiansAsDegrees = 4 * M_PI / 180;  // limits of 4 rad at most, read as degrees
+  constexpr double kTallest = 3;                          // m
+  const char* likely = height > kTallest              ? "; likely lengths in mm or cm"
+                       : widest < kOfRadiansAsDegrees ? "; likely radians that are read as degrees"
+                                                      : "";
   throw ConfigError(
       robot.source, fmt::format("legs.{}", name(leg)),
       fmt::format("a leg that stands {:.3g} m below its hip, its knee forward or backward, or `home` "
                   "in a robot.yaml",
                   height),
-      fmt::format("limits that forbid it: {} rad", fmt::join(limits, ", ")));
+      fmt::format("limits that forbid it: {} rad{}", fmt::join(limits, ", "), likely));
 }
 
 }  // namespace

@@ -60,11 +60,12 @@ double held_angle(const ParsedRobot& robot, const Joint& joint);
 struct FootPlace {
   Vector3 p_BF = Vector3::Zero();  ///< centre in the body's frame, m
   double radius = 0;               ///< m
-  int shape = -1;                  ///< the collision sphere that it is, or -1: there is none yet
+  int shape = -1;                  ///< the (first) collision sphere that it is, or -1: there is none yet
   std::string reason;
 };
 
-/// Finds the collision sphere farthest from the axis of the body's joint; without one, the end of a capsule
+/// Finds the collision sphere farthest from the axis of the body's joint, or the middle of several as large
+/// that are as far: toes; without one, the end of a capsule
 /// that is, or a cylinder across the leg; without these, a small sphere at the farthest point of its shapes.
 /// Nothing without shapes.
 std::optional<FootPlace> find_foot(const ParsedRobot& robot, const Body& body);

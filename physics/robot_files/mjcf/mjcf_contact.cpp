@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <fmt/format.h>
 
@@ -112,7 +113,15 @@ MjcfContact::Geom MjcfContact::read_geom(const MjcfElement& e, const std::string
   if (const MjcfElement* says = find("solimp")) copy_numbers(*says, "solimp", geom.solimp);
   number("condim", geom.condim), number("margin", geom.margin), number("gap", geom.gap);
   number("priority", geom.priority), number("solmix", geom.solmix);
+  number("contype", geom.contype), number("conaffinity", geom.conaffinity);
   return geom;
+}
+
+bool MjcfContact::Geom::may_touch(const Geom& other) const {
+  const auto meets = [](double type, double affinity) {
+    return (static_cast<std::int64_t>(type) & static_cast<std::int64_t>(affinity)) != 0;
+  };
+  return meets(contype, other.conaffinity) || meets(other.contype, conaffinity);
 }
 
 /// As mj_contactParam of MuJoCo does.
@@ -141,6 +150,8 @@ ContactNumbers MjcfContact::combine(const Geom& a, const Geom& b) {
 
 ContactNumbers MjcfContact::with_ground(const Geom& geom) const {
   ContactNumbers numbers = combine(geom, ground_);
+  if (!geom.may_touch(ground_))
+    numbers.not_simulated["contype"] = {geom.contype, fmt::format("it would not touch {}", options_.ground)};
   for (const MjcfElement& pair : pairs_) {
     const std::string_view a = pair.attribute("geom1"), b = pair.attribute("geom2");
     if (ground_.name.empty() ||

@@ -29,6 +29,9 @@ class MjcfContact {
   struct Geom : ContactNumbers {
     std::string name;
     double priority = 0, solmix = 1;
+    double contype = 1, conaffinity = 1;
+    /// Tells whether contype of one has a bit of conaffinity of the other.
+    bool may_touch(const Geom& other) const;
   };
   void read_option(const MjcfElement& option);
   Geom read_geom(const MjcfElement& e, const std::string& class_name) const;

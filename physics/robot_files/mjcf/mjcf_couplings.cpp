@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/robot_files/mjcf/mjcf_connects.h"
 
 namespace crossgait {
 namespace {
@@ -46,18 +47,6 @@ void drive_joint(MjcfElement& actuator, const std::pair<std::string, double>& jo
   actuator.set("gear", fmt::format("{}", gear * joint.second));
 }
 
-/// Who says an attribute of an element of `<equality>`: it, or `<equality>` of its class; null: nobody.
-const MjcfElement* equality_saying(const MjcfDefaults& defaults, const MjcfElement& e,
-                                   std::string_view attribute) {
-  if (e.has(attribute)) return &e;
-  const MjcfElement* found = nullptr;
-  for (const MjcfElement* section : defaults.sections(e.attribute("class"))) {
-    for (const MjcfElement& of_class : section->children)
-      if (of_class.tag == "equality" && of_class.has(attribute)) found = &of_class;
-  }
-  return found;
-}
-
 /// What an element says, or its class.
 std::string_view defaults_or_own(const MjcfDefaults& defaults, const MjcfElement& e,
                                  std::string_view attribute) {
@@ -72,20 +61,11 @@ std::array<double, 5> polynomial_of(const MjcfElement& e) {
   return coefficients;
 }
 
+/// Reads its softness; without any word of it MuJoCo's defaults.
 void read_softness_of(const MjcfElement& e, const MjcfDefaults& defaults, NamedCoupling& coupling) {
-  const auto numbers = [&](const char* attribute, std::size_t most) {
-    const MjcfElement* says = equality_saying(defaults, e, attribute);
-    return says == nullptr ? std::vector<double>() : mjcf_numbers(*says, attribute, 1, most);
-  };
-  const std::vector<double> solref = numbers("solref", 2), solimp = numbers("solimp", 5);
-  const Softness usual;
-  std::array<double, 2> all_solref{usual.time_constant, usual.damping_ratio};
-  std::array<double, 5> all_solimp{usual.impedance_min, usual.impedance_max, usual.impedance_width,
-                                   usual.impedance_midpoint, usual.impedance_power};
-  std::copy(solref.begin(), solref.end(), all_solref.begin());
-  std::copy(solimp.begin(), solimp.end(), all_solimp.begin());
-  coupling.softness = softness_of(all_solref, all_solimp);
-  coupling.says_softness = !solref.empty() || !solimp.empty();
+  const std::optional<Softness> said = softness_of_equality(e, defaults);
+  coupling.softness = said.value_or(Softness());
+  coupling.says_softness = said.has_value();
 }
 
 NamedCoupling read_follower(const MjcfElement& e, const MjcfDefaults& defaults, const std::string& file) {

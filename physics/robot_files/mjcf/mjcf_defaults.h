@@ -50,14 +50,14 @@ class MjcfDefaults {
 };
 
 /// Calls the function for every joint and geom of a body and of those below it, with its class: its own, or
-/// that of the nearest body or frame around it that has a childclass.
+/// that of the nearest body around it that has a childclass. Frames are written out before (mjcf_frames.h).
 /// @param class_name  of what has none
 template <typename Element, typename Function>
 void for_each_with_class(Element& body, const std::string& class_name, const Function& function) {
   const std::string_view of_children = body.attribute("childclass");
   const std::string here = of_children.empty() ? class_name : std::string(of_children);
   for (auto& child : body.children) {
-    if (child.tag == "body" || child.tag == "frame") {
+    if (child.tag == "body") {
       for_each_with_class(child, here, function);
     } else if (child.tag == "joint" || child.tag == "geom") {
       function(child, child.has("class") ? std::string(child.attribute("class")) : here);

@@ -124,6 +124,11 @@ class Driver {
       warnings_.count(fmt::format("took {:g} for 0 as the constant force (biasprm[0]) of ", a.bias[0]),
                       " actuator(s)", a.place);
     if (!a.is_position()) return;
+    if (std::abs(a.gain + a.bias[1]) > 1e-9 * std::abs(a.gain))
+      warnings_.count(
+          fmt::format("takes targets for angles, which are {:.4g} times the controls (gain over kp) of ",
+                      a.gain / -a.bias[1]),
+          " actuator(s)", a.place);
     joint.lag = std::max(joint.lag, a.lag);
     joint.delay = std::max(joint.delay, a.delay);
   }
@@ -220,28 +225,13 @@ class Driver {
   std::map<std::string, std::vector<const MjcfActuator*>> of_joint_;
 };
 
-/// A policy that was made on MuJoCo's `ctrl` counts by actuators, Crossgait by joints.
-void warn_of_order(const std::vector<MjcfActuator>& actuators, const ParsedRobot& robot,
-                   const MjcfModel& model, ReaderWarnings& warnings) {
-  std::vector<std::string> by_actuators, by_joints;
-  const auto is_ours = [&](const std::string& name) {
-    return std::any_of(robot.bodies.begin(), robot.bodies.end(),
-                       [&](const Body& body) { return body.joint.name == name; });
-  };
+/// Lists joints as they and their actuators stand in the file.
+void list_orders(const std::vector<MjcfActuator>& actuators, const MjcfModel& model, ParsedRobot& robot) {
+  std::vector<std::string>& listed = robot.actuator_order;
   for (const MjcfActuator& a : actuators) {
-    if (is_ours(a.joint) &&
-        std::find(by_actuators.begin(), by_actuators.end(), a.joint) == by_actuators.end())
-      by_actuators.push_back(a.joint);
+    if (std::find(listed.begin(), listed.end(), a.joint) == listed.end()) listed.push_back(a.joint);
   }
-  for (const MjcfJoint& joint : model.joints) {
-    if (std::find(by_actuators.begin(), by_actuators.end(), joint.name) != by_actuators.end())
-      by_joints.push_back(joint.name);
-  }
-  if (by_actuators == by_joints) return;
-  warnings.add(
-      fmt::format("actuators stand in another order than joints: a policy made on ctrl has `joints: "
-                  "{{order: [{}]}}` in its environment",
-                  fmt::join(by_actuators, ", ")));
+  for (const MjcfJoint& joint : model.joints) robot.joint_order.push_back(joint.name);
 }
 
 }  // namespace
@@ -256,7 +246,7 @@ void drive_joints(const std::vector<MjcfActuator>& actuators, const MjcfJointFor
       throw ConfigError(path, actuator.place, "a joint of the file", fmt::format("'{}'", actuator.joint));
   }
   Driver(actuators, model, robot, warnings).drive(forces);
-  warn_of_order(actuators, robot, model, warnings);
+  list_orders(actuators, model, robot);
 }
 
 }  // namespace crossgait

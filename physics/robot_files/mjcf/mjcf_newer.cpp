@@ -17,9 +17,13 @@ struct NotSimulated {
   std::string_view tag, attribute, neutral;  ///< the value with which it changes nothing
 };
 constexpr std::array kNotSimulated{
-    NotSimulated{"body", "gravcomp", "0"},     NotSimulated{"joint", "actuatorgravcomp", "false"},
-    NotSimulated{"joint", "springyield", "0"}, NotSimulated{"geom", "adhesion", "0"},
+    NotSimulated{"body", "gravcomp", "0"},
+    NotSimulated{"joint", "actuatorgravcomp", "false"},
+    NotSimulated{"joint", "springyield", "0"},
+    NotSimulated{"geom", "adhesion", "0"},
     NotSimulated{"geom", "surfacevel", "0"},
+    NotSimulated{"joint", "solreffriction", "0.02 1"},
+    NotSimulated{"joint", "solimpfriction", "0.9 0.95 0.001 0.5 2"},
 };
 constexpr std::array<std::string_view, 2> kPolynomials{"damping", "stiffness"};
 

@@ -121,7 +121,8 @@ class Taker {
   void read_section(const MjcfElement& section) {
     if (is_one_of(section.tag, kIgnoredSections)) {
       for (const MjcfElement& child : section.children)
-        count("ignored ", fmt::format(" element(s) of <{}>", section.tag), child);
+        child.tag == "pair" ? count("took nothing but contact of feet with the ground of ", " <pair>", child)
+                            : count("ignored ", fmt::format(" element(s) of <{}>", section.tag), child);
     } else if (section.tag == "option") {
       read_option(section);
     } else if (section.tag == "compiler") {
@@ -146,6 +147,7 @@ class Taker {
       if (option.attribute(name).find_first_of("123456789") != std::string_view::npos)
         not_simulated(option, name);
     }
+    if (option.has("actuatorgroupdisable")) not_simulated(option, "actuatorgroupdisable");
     for (const MjcfElement& flag : option.children) {
       for (const std::string_view name : kFlags)
         if (flag.attribute(name) == "disable") not_simulated(flag, name);
@@ -223,7 +225,6 @@ class Taker {
     for (MjcfElement& child : body.children) {
       const std::string tag = tag_of(child);
       if (tag == "inertial" && !from_geoms_) parts_.with_inertial.insert(name);
-      if (tag == "frame") name_parts(child, name);  // a place in its body
       if (tag != "joint" && tag != "geom" && tag != "body") continue;
       if (child.attribute("name").empty()) {
         std::string made = tag == "joint" ? name + "_joint" : fmt::format("{}_{}_{}", name, tag, number++);

@@ -18,9 +18,11 @@
 #include "physics/robot_files/joint_limits.h"
 #include "physics/robot_files/mjcf/mjcf_actuators.h"
 #include "physics/robot_files/mjcf/mjcf_compile.h"
+#include "physics/robot_files/mjcf/mjcf_connects.h"
 #include "physics/robot_files/mjcf/mjcf_contact.h"
 #include "physics/robot_files/mjcf/mjcf_couplings.h"
 #include "physics/robot_files/mjcf/mjcf_drives.h"
+#include "physics/robot_files/mjcf/mjcf_frames.h"
 #include "physics/robot_files/mjcf/mjcf_newer.h"
 #include "physics/robot_files/mjcf/mjcf_shapes.h"
 
@@ -36,8 +38,14 @@ bool is_range_of_play(double lower, double upper) {
 
 class MjcfTree {
  public:
-  MjcfTree(const std::string& path, const MjcfParts& parts, const MjcfModel& model, ReaderWarnings& warnings)
-      : path_(path), parts_(parts), model_(model), warnings_(warnings), shapes_(path, parts, warnings) {
+  MjcfTree(const std::string& path, const MjcfParts& parts, const MjcfModel& model,
+           const MjcfConnects& connects, ReaderWarnings& warnings)
+      : path_(path),
+        parts_(parts),
+        model_(model),
+        connects_(connects),
+        warnings_(warnings),
+        shapes_(path, parts, warnings) {
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
       if (model.bodies[i].parent >= 0) children_[model.bodies[i].parent].push_back(static_cast<int>(i));
     }
@@ -132,6 +140,11 @@ class MjcfTree {
         fail_at(joint_element(*joint), "a free joint, or none, on the body that hangs on the world",
                 "another one");
       }
+      if (joint->damping > 0 || joint->armature > 0)
+        warnings_.add(
+            fmt::format("did not simulate the damping of {:g} and the armature of {:g} of the base's free "
+                        "joint, which its class may have given it",
+                        joint->damping, joint->armature));
     }
   }
 
@@ -256,7 +269,9 @@ class MjcfTree {
       }
       const std::string name =
           connect.name.empty() ? fmt::format("connect_{}", robot_.loops.size()) : connect.name;
-      robot_.loops.push_back({name, a, b, connect.p_AP, connect.p_BP});
+      const auto end = connects_.ends.find(connect.name);
+      robot_.loops.push_back(
+          {name, a, b, connect.p_AP, end == connects_.ends.end() ? connect.p_BP : end->second});
     }
   }
 
@@ -276,6 +291,7 @@ class MjcfTree {
   const std::string& path_;
   const MjcfParts& parts_;
   const MjcfModel& model_;
+  const MjcfConnects& connects_;
   ReaderWarnings& warnings_;
   MjcfShapes shapes_;
   std::map<int, std::vector<int>> children_;
@@ -342,13 +358,16 @@ ParsedRobot read_mjcf(const std::string& path) {
   ReaderWarnings warnings;
   MjcfDocument document(path);
   const MjcfDefaults defaults(document.root());
+  write_out_frames(document, defaults);
   const MjcfContact contact(document.root(), defaults);
+  const MjcfConnects connects = take_connects(document, defaults, warnings);
   MjcfCouplings couplings = find_couplings(document, defaults);
   const std::vector<MjcfActuator> actuators = take_actuators(document, defaults, warnings);
   MjcfParts parts = take_parts(document, warnings);
   const MjcfJointForces forces = take_newer(document, defaults, warnings);
   const MjcfModel model = compile_parts(document, parts, warnings);
-  ParsedRobot robot = MjcfTree(path, parts, model, warnings).build();
+  ParsedRobot robot = MjcfTree(path, parts, model, connects, warnings).build();
+  robot.loop_softness = connects.softness;
   robot.coupled = std::move(couplings.others);
   robot.couplings = std::move(couplings.followers);
   std::map<std::string, double> references;

@@ -174,7 +174,11 @@ class UrdfCheck {
 
   /// Takes away a root that stands for the world. Every other floating joint is an error.
   void free_base(const std::string& root, TiXmlElement& copy) {
-    if (floating_.empty()) return;
+    if (floating_.empty()) {
+      if (root == "world" && !has_mass(*links_.at(root)))
+        warnings_.add("the file fixes its base to link 'world'; here the base is free");
+      return;
+    }
     const auto& [joint, copied] = floating_.front();
     const auto below_root = std::count_if(parents_.begin(), parents_.end(),
                                           [&](const auto& edge) { return edge.second == root; });

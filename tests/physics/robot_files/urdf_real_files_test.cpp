@@ -268,6 +268,11 @@ TEST_F(UrdfTraps, AMovingBodyNeedsMass) {
   EXPECT_EQ(error.expected(), "mass (kg) > 0 on a moving link");
 }
 
+TEST_F(UrdfTraps, ABaseThatIsFixedToTheWorldIsFreeAndThatIsSaid) {
+  const ParsedRobot robot = read_with_base(link("world", "") + joint("fixed", "world", "base"));
+  EXPECT_EQ(robot.warnings, Warnings{"the file fixes its base to link 'world'; here the base is free"});
+}
+
 TEST_F(UrdfTraps, AMasslessRootLetsItsChildFloat) {
   const std::string world = link("world", "") + joint("floating", "world", "base", "<origin xyz='0 0 9'/>");
   const ParsedRobot robot = read_with_base(world);
