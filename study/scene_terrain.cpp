@@ -15,9 +15,11 @@
 #include "physics/core/error.h"
 #include "physics/core/math.h"
 #include "physics/core/text.h"
+#include "physics/robot_files/mesh/ellipsoid.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
 #include "physics/robot_files/mjcf/mjcf_compile.h"
 #include "physics/robot_files/mjcf/mjcf_defaults.h"
+#include "physics/robot_files/mjcf/mjcf_frames.h"
 #include "physics/robot_files/robot_formats.h"
 #include "physics/terrain/terrain.h"
 #include "study/ground_shapes.h"
@@ -59,6 +61,7 @@ class Scene {
  public:
   explicit Scene(const std::string& path)
       : document_(path), defaults_(document_.root()), path_(path), shapes_(path) {
+    write_out_frames(document_, defaults_);
     prepare();
     ReaderWarnings of_robot;  // what is said of robots' files
     MjcfParts parts = take_parts(document_, of_robot);
@@ -164,11 +167,14 @@ class Scene {
         return shapes_.add_capsule(X_WG, size[0], size[1]);
       case MjcfGeomType::kBox:
         return shapes_.add_box(X_WG, size);
+      case MjcfGeomType::kEllipsoid:
+        return add_hull(element, ellipsoid_vertices(size), X_WG);
       case MjcfGeomType::kMesh:
       case MjcfGeomType::kOther:
-        warnings_.count("left out ",
-                        " geom(s) that are no plane, box, sphere, capsule, cylinder, mesh or height field",
-                        mjcf_place(element, path_));
+        warnings_.count(
+            "left out ",
+            " geom(s) that are no plane, box, sphere, ellipsoid, capsule, cylinder, mesh or height field",
+            mjcf_place(element, path_));
     }
   }
 
@@ -183,10 +189,14 @@ class Scene {
       vertices = read_mesh_vertices(mesh.file);
       for (Vector3& v : vertices) v = mesh.scale.cwiseProduct(mesh.R_ref.transpose() * (v - mesh.p_ref));
     }
+    add_hull(element, std::move(vertices), X_WG);
+  }
+
+  void add_hull(const MjcfElement& element, std::vector<Vector3> vertices, const Pose& X_WG) {
     for (Vector3& v : vertices) v = X_WG * v;
     if (!shapes_.add_hull(vertices))
       warnings_.count("took for their convex hull of few corners, off by more than a millimetre, ",
-                      " mesh(es)", mjcf_place(element, path_));
+                      " mesh(es) or ellipsoid(s)", mjcf_place(element, path_));
   }
 
   void add_field(const MjcfElement& element, const std::string& name, const Pose& X_WG) {

@@ -98,6 +98,8 @@ class Reader {
         return MjcfGeomType::kBox;
       case mjGEOM_MESH:
         return MjcfGeomType::kMesh;
+      case mjGEOM_ELLIPSOID:
+        return MjcfGeomType::kEllipsoid;
       default:
         return MjcfGeomType::kOther;
     }

@@ -19,7 +19,7 @@ namespace crossgait {
 /// before and after it misunderstand each other: the virtual functions of PhysicsBackend (their number, order
 /// and signatures), the order or meaning of the members of a type that crosses the interface, what a function
 /// of EnginePlugin promises, units and frames. Changes of sizes and of the build are the stamp's.
-constexpr int kPluginInterfaceVersion = 5;
+constexpr int kPluginInterfaceVersion = 6;
 
 namespace plugin_detail {
 

@@ -271,7 +271,10 @@ void bind_world(nb::module_& m) {
            "targets of the wrong number or that are not finite, and changes nothing then.")
       .def_prop_ro("state", guarded([](const PhysicsBackend& w) { return RobotState(w.state()); }))
       .def_prop_ro("torques", guarded([](const PhysicsBackend& w) { return Eigen::VectorXd(w.torques()); }),
-                   "Torques of every joint in the last physics step, N m.")
+                   "Torques of every joint in the last physics step, N m: of servo, damper and spring.")
+      .def_prop_ro("servo_torques",
+                   guarded([](const PhysicsBackend& w) { return Eigen::VectorXd(w.servo_torques()); }),
+                   "What servos did of `torques`, N m.")
       .def_prop_ro("contacts", guarded([](const PhysicsBackend& w) {
                      return std::vector<Contact>(w.contacts().begin(), w.contacts().end());
                    }),

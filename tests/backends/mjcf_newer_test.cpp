@@ -130,6 +130,17 @@ TEST_F(MjcfNewer, APyramidalConeIsNoneOfARobots) {
   EXPECT_NE(load(mjcf).robot.contact.find("cone"), nullptr);
 }
 
+TEST_F(MjcfNewer, EllipsoidsAreSpheresOrHulls) {
+  const Body body = thigh(R"(<geom name="ball" type="ellipsoid" size=".05 .05 .05" pos="0 0 -.1"/>)"
+                          R"(<geom name="egg" type="ellipsoid" size=".02 .03 .05" pos="0 0 -.2"/>)");
+  ASSERT_EQ(body.shapes.size(), 2U);
+  EXPECT_EQ(body.shapes[0].type, ShapeType::kSphere);
+  EXPECT_EQ(body.shapes[0].size[0], 0.05);
+  EXPECT_EQ(body.shapes[1].type, ShapeType::kHull);
+  for (const Vector3& p : body.shapes[1].vertices)
+    EXPECT_NEAR(p.cwiseQuotient(Vector3(0.02, 0.03, 0.05)).norm(), 1, 1e-12);
+}
+
 TEST_F(MjcfNewer, ToesAreAllOfAFoot) {
   MadeMjcf mjcf;
   mjcf.shin = R"(<geom name="toe" pos=".04 0 -.2" size=".02"/>)";

@@ -50,13 +50,13 @@ struct MjcfJoint {
   int q = 0;                                                      ///< its place in MjcfKey::q
 };
 
-enum class MjcfGeomType { kSphere, kCapsule, kCylinder, kBox, kMesh, kOther };
+enum class MjcfGeomType { kSphere, kCapsule, kCylinder, kBox, kMesh, kEllipsoid, kOther };
 
 struct MjcfGeom {
   std::string name;
   MjcfGeomType type = MjcfGeomType::kSphere;
   int body = 0;
-  Vector3 size = Vector3::Zero();  ///< radius; radius and half length along z; half extents. m
+  Vector3 size = Vector3::Zero();  ///< radius; radius and half length along z; half extents; radii. m
   Pose X_BG = Pose::Identity();
   bool collides = false;  ///< with anything: contype or conaffinity
   int group = 0;

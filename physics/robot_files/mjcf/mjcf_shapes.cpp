@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "physics/robot/robot_check.h"
+#include "physics/robot_files/mesh/ellipsoid.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
 
 namespace crossgait {
@@ -16,7 +17,8 @@ std::vector<int> MjcfShapes::add(const MjcfGeom& geom, const Pose& X_BA, Body& b
   const Pose X_BG = X_BA * geom.X_BG;
   const std::size_t first = body.shapes.size();
   if (geom.type == MjcfGeomType::kOther) {
-    warnings_.count("dropped ", " geom(s) that are no sphere, capsule, cylinder, box or mesh", where(geom));
+    warnings_.count("dropped ", " geom(s) that are no sphere, ellipsoid, capsule, cylinder, box or mesh",
+                    where(geom));
   } else {
     if (geom.collides) collide(geom, X_BG, body);
     if (geom.group <= kLastShownGroup) show(geom, X_BG, body);
@@ -36,11 +38,15 @@ void MjcfShapes::collide(const MjcfGeom& geom, const Pose& X_BG, Body& body) {
       return add_shape(geom.name, ShapeType::kCylinder, {geom.size[0], geom.size[1], 0}, X_BG, body);
     case MjcfGeomType::kCapsule:
       return add_shape(geom.name, ShapeType::kCapsule, {geom.size[0], geom.size[1], 0}, X_BG, body);
+    case MjcfGeomType::kEllipsoid:
+      if (geom.size.minCoeff() == geom.size.maxCoeff())
+        return add_shape(geom.name, ShapeType::kSphere, {geom.size[0], 0, 0}, X_BG, body);
+      [[fallthrough]];
     case MjcfGeomType::kMesh: {
       CollisionShape shape;
       shape.name = geom.name;
       shape.X_BG = X_BG;
-      if (set_mesh(geom, shape)) body.shapes.push_back(std::move(shape));
+      if (set_vertices(geom, shape)) body.shapes.push_back(std::move(shape));
       return;
     }
     case MjcfGeomType::kOther:
@@ -59,7 +65,11 @@ void MjcfShapes::add_shape(const std::string& name, ShapeType type, const Vector
   body.shapes.push_back(shape);
 }
 
-bool MjcfShapes::set_mesh(const MjcfGeom& geom, CollisionShape& shape) {
+bool MjcfShapes::set_vertices(const MjcfGeom& geom, CollisionShape& shape) {
+  if (geom.type == MjcfGeomType::kEllipsoid) {
+    meshes_.set_vertices(ellipsoid_vertices(geom.size), where(geom), shape);
+    return true;
+  }
   const MjcfMesh& mesh = parts_.meshes.at(geom.mesh);
   std::vector<Vector3> vertices;
   if (mesh.written.empty()) {
@@ -98,10 +108,11 @@ void MjcfShapes::show(const MjcfGeom& geom, const Pose& X_BG, Body& body) {
       visual.type = VisualType::kCapsule;
       break;
     case MjcfGeomType::kMesh:
+    case MjcfGeomType::kEllipsoid:
     case MjcfGeomType::kOther:
       visual.type = VisualType::kMesh;
       visual.size = Vector3::Zero();
-      set_visual_mesh(geom, visual);
+      if (geom.type == MjcfGeomType::kMesh) set_visual_mesh(geom, visual);
   }
   body.visuals.push_back(std::move(visual));
 }

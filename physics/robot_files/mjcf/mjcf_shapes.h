@@ -28,7 +28,8 @@ class MjcfShapes {
  private:
   void collide(const MjcfGeom& geom, const Pose& X_BG, Body& body);
   void show(const MjcfGeom& geom, const Pose& X_BG, Body& body);
-  bool set_mesh(const MjcfGeom& geom, CollisionShape& shape);
+  /// Sets what stands for a mesh or an ellipsoid. @returns false of a mesh that is dropped
+  bool set_vertices(const MjcfGeom& geom, CollisionShape& shape);
   void set_visual_mesh(const MjcfGeom& geom, VisualShape& visual);
   void add_shape(const std::string& name, ShapeType type, const Vector3& size, const Pose& X_BG, Body& body);
   std::string where(const MjcfGeom& geom) const;

@@ -11,6 +11,7 @@
 
 #include "physics/core/error.h"
 #include "physics/robot/robot_check.h"
+#include "physics/robot_files/mesh/ellipsoid.h"
 #include "physics/robot_files/mesh/mesh_path.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
 #include "physics/robot_files/sdf/sdf_contact.h"
@@ -19,27 +20,11 @@
 namespace crossgait {
 namespace {
 
-/// Rings and points on a ring of an ellipsoid's vertices: within 2 % of its radii.
-constexpr int kRings = 16, kOnARing = 32;
-
 /// The only child of <geometry>, whatever it is; null without one.
 const SdfElement* shape_of(const SdfElement& element) {
   const SdfElement* geometry = element.find("geometry");
   if (geometry == nullptr || geometry->children.empty()) return nullptr;
   return geometry->find(geometry->children.front().tag);
-}
-
-std::vector<Vector3> ellipsoid_vertices(const Vector3& radii) {
-  std::vector<Vector3> vertices{{0, 0, radii.z()}, {0, 0, -radii.z()}};
-  for (int ring = 1; ring < kRings; ++ring) {
-    const double polar = std::numbers::pi * ring / kRings;
-    for (int i = 0; i < kOnARing; ++i) {
-      const double around = 2 * std::numbers::pi * i / kOnARing;
-      vertices.push_back(radii.cwiseProduct(
-          Vector3(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar))));
-    }
-  }
-  return vertices;
 }
 
 /// Type and size of a box, sphere, cylinder or capsule, and of an ellipsoid that is a sphere. @returns false
