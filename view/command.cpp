@@ -97,6 +97,13 @@ const std::map<std::string, Reader>& readers() {
        }},
       {"engines", [](Keys& k) -> ViewCommand { return EnginesCommand{k.texts("engines")}; }},
       {"pause", [](Keys& k) -> ViewCommand { return PauseCommand{k.flag("on")}; }},
+      {"step", [](Keys& k) -> ViewCommand { return StepCommand{k.whole("steps")}; }},
+      {"pace", [](Keys& k) -> ViewCommand { return PaceCommand{k.number("pace")}; }},
+      {"back", [](Keys& k) -> ViewCommand { return BackCommand{k.number("seconds")}; }},
+      {"change", [](Keys& k) -> ViewCommand { return ChangeCommand{k.texts("changes")}; }},
+      {"pull", [](Keys& k) -> ViewCommand { return PullCommand{k.vector("to")}; }},
+      {"release", [](Keys&) -> ViewCommand { return ReleaseCommand{}; }},
+      {"keep", [](Keys&) -> ViewCommand { return KeepCommand{}; }},
       {"stand", [](Keys&) -> ViewCommand { return StandCommand{}; }},
       {"record", [](Keys& k) -> ViewCommand { return RecordCommand{k.flag("on")}; }},
   };

@@ -46,6 +46,32 @@ struct EnginesCommand {
 struct PauseCommand {
   bool on = false;
 };
+/// Holds {"do": "step", "steps": NUMBER}: control steps while paused.
+struct StepCommand {
+  std::uint64_t steps = 1;
+};
+/// Holds {"do": "pace", "pace": NUMBER}: simulated time over time on the clock, 1 or less.
+struct PaceCommand {
+  double pace = 1;
+};
+/// Holds {"do": "back", "seconds": NUMBER}: to where all was then.
+struct BackCommand {
+  double seconds = 0;
+};
+/// Holds {"do": "change", "changes": ["friction=0.4", "mass=x1.2", ...]}: of the world as it was at first
+/// (world_quantities.h), in place of all changes before.
+struct ChangeCommand {
+  std::vector<std::string> changes;
+};
+/// Holds {"do": "pull", "to": [x, y, z]}: a spring from the base's origin to a point in W, m, until
+/// "release".
+struct PullCommand {
+  Vector3 to = Vector3::Zero();
+};
+/// Holds {"do": "release"}.
+struct ReleaseCommand {};
+/// Holds {"do": "keep"}: the last minute becomes the recording.
+struct KeepCommand {};
 /// Holds {"do": "stand"}: up again, at the origin.
 struct StandCommand {};
 /// Holds {"do": "record", "on": BOOL}.
@@ -53,8 +79,10 @@ struct RecordCommand {
   bool on = false;
 };
 
-using ViewCommand = std::variant<DriveCommand, GaitCommand, ParameterCommand, CurveCommand, PushCommand,
-                                 TerrainCommand, EnginesCommand, PauseCommand, StandCommand, RecordCommand>;
+using ViewCommand =
+    std::variant<DriveCommand, GaitCommand, ParameterCommand, CurveCommand, PushCommand, TerrainCommand,
+                 EnginesCommand, PauseCommand, StandCommand, RecordCommand, StepCommand, PaceCommand,
+                 BackCommand, ChangeCommand, PullCommand, ReleaseCommand, KeepCommand>;
 
 /// Longest text of a command, bytes.
 inline constexpr std::size_t kMaxCommandBytes = 4096;

@@ -13,15 +13,17 @@ ClosedLoop::Options loop_options(double control_dt) {
 
 GaitInstance::GaitInstance(const Engine& engine, const WorldSpec& spec, const GaitDrive& drive,
                            double control_dt)
-    : world_(engine.make(spec)),
+    : nominal_(spec),
+      world_(engine.make(spec)),
       control_dt_(control_dt),
       drive_(drive),
       loop_(*spec.robot, loop_options(control_dt)) {
   stand_up();
 }
 
-GaitInstance::GaitInstance(const Engine& engine, const GaitInstance& other)
-    : world_(engine.make(other.world_->spec())),
+GaitInstance::GaitInstance(const Engine& engine, const GaitInstance& other, const WorldSpec& spec)
+    : nominal_(other.nominal_),
+      world_(engine.make(spec)),
       control_dt_(other.control_dt_),
       drive_(other.drive_),
       loop_(other.loop_) {
@@ -29,12 +31,44 @@ GaitInstance::GaitInstance(const Engine& engine, const GaitInstance& other)
 }
 
 std::unique_ptr<RobotInstance> GaitInstance::with_engine(const Engine& engine) const {
-  return std::unique_ptr<RobotInstance>(new GaitInstance(engine, *this));
+  return std::unique_ptr<RobotInstance>(new GaitInstance(engine, *this, world_->spec()));
+}
+
+std::unique_ptr<RobotInstance> GaitInstance::with_changes(const Engine& engine,
+                                                          const std::vector<QuantityChange>& changes) const {
+  WorldSpec spec = nominal_;
+  for (const QuantityChange& change : changes) change.apply(spec);
+  return std::unique_ptr<RobotInstance>(new GaitInstance(engine, *this, spec));
+}
+
+struct GaitInstance::Moment : Saved {
+  Moment(Snapshot saved, GaitDrive driven, ClosedLoop looped)
+      : world(std::move(saved)), drive(std::move(driven)), loop(std::move(looped)) {}
+
+  Snapshot world;
+  GaitDrive drive;
+  ClosedLoop loop;
+};
+
+std::unique_ptr<RobotInstance::Saved> GaitInstance::save() const {
+  return std::make_unique<Moment>(world_->save(), drive_, loop_);
+}
+
+void GaitInstance::restore(const Saved& saved) {
+  const auto& moment = dynamic_cast<const Moment&>(saved);
+  world_->restore(moment.world);
+  drive_ = moment.drive;
+  loop_ = moment.loop;
+}
+
+void GaitInstance::step() {
+  loop_.advance(*world_, drive_, 1);
+  world_->clear_wrenches();
 }
 
 std::unique_ptr<RobotInstance> GaitInstance::with_terrain(const Engine& engine,
                                                           const TerrainChoice& ground) const {
-  WorldSpec spec = world_->spec();
+  WorldSpec spec = nominal_;
   spec.terrain = make_terrain(ground.terrain, ground.seed);
   return std::make_unique<GaitInstance>(engine, spec, drive_, control_dt_);
 }

@@ -20,9 +20,15 @@ class GaitInstance final : public RobotInstance {
   std::unique_ptr<RobotInstance> with_terrain(const Engine& engine,
                                               const TerrainChoice& ground) const override;
 
-  void step() override { loop_.advance(*world_, drive_, 1); }
+  std::unique_ptr<RobotInstance> with_changes(const Engine& engine,
+                                              const std::vector<QuantityChange>& changes) const override;
+  std::unique_ptr<Saved> save() const override;
+  void restore(const Saved& saved) override;
+
+  void step() override;
   void stand_up() override;
   void push(const Vector3& impulse) override { world_->apply_push(impulse); }
+  void pull(const Vector3& force) override { world_->apply_wrench({.wrench = {force}}); }
 
   void set_command(const VelocityCommand& command) override { drive_.set_command(command); }
   void set_gait(const std::string& gait) override { drive_.set_gait(gait); }
@@ -37,8 +43,10 @@ class GaitInstance final : public RobotInstance {
   Outcome outcome() const noexcept override { return loop_.statistics().worst(); }
 
  private:
-  GaitInstance(const Engine& engine, const GaitInstance& other);
+  struct Moment;
+  GaitInstance(const Engine& engine, const GaitInstance& other, const WorldSpec& spec);
 
+  WorldSpec nominal_;  ///< without changes
   std::unique_ptr<PhysicsBackend> world_;
   double control_dt_;
   GaitDrive drive_;

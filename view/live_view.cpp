@@ -57,6 +57,7 @@ void LiveView::simulate() {
   const int steps = std::max(1, static_cast<int>(std::lround(kLiveFrameTime / session_->control_dt())));
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(steps * session_->control_dt()));
   Clock::time_point due = Clock::now(), before = due;
+  double left = 0;  // control steps that the pace has not made whole yet
   double rate = 1;  // simulated over passed time, smoothed over half a second
   for (;;) {
     due += period;
@@ -66,12 +67,15 @@ void LiveView::simulate() {
       if (ending_) return;
     }
     obey();
-    session_->advance(steps);
+    left += session_->pace() * steps;
+    const int whole = static_cast<int>(left);
+    left -= whole;
+    session_->advance(whole);
     const Clock::time_point now = Clock::now();
     const double passed = Seconds(now - before).count();
     before = now;
     const double share = std::min(1.0, passed / 0.5);
-    rate += share * ((session_->paused() ? 0 : Seconds(period).count() / passed) - rate);
+    rate += share * ((session_->paused() ? 0 : whole * session_->control_dt() / passed) - rate);
     publish(rate);
     if (now - due > kMostBehind) due = now;
   }

@@ -50,6 +50,8 @@ PolicyInstance::PolicyInstance(const Engine& engine, const PolicyInstance& other
   world->reset(saved.physics.state);
   saved.physics = world->save();
   env_.restore(saved);
+  const std::span<const QuantityChange> changes = other.env_.changes();
+  if (!changes.empty()) env_.set_changes({changes.begin(), changes.end()});
 }
 
 std::unique_ptr<RobotInstance> PolicyInstance::with_engine(const Engine& engine) const {
@@ -63,6 +65,44 @@ std::unique_ptr<RobotInstance> PolicyInstance::with_terrain(const Engine& engine
   config.terrain_seed = ground.seed;
   return std::unique_ptr<RobotInstance>(
       new PolicyInstance(engine, env_.model().loaded().with(config), make_));
+}
+
+std::unique_ptr<RobotInstance> PolicyInstance::with_changes(
+    const Engine& engine, const std::vector<QuantityChange>& changes) const {
+  std::unique_ptr<PolicyInstance> changed(new PolicyInstance(engine, *this));
+  changed->env_.set_changes(changes);
+  return changed;
+}
+
+struct PolicyInstance::Moment : Saved {
+  std::shared_ptr<const QuadrupedEnv::Saved> env;
+  VelocityCommand command;
+  std::vector<double> observation, action;
+  int steps_left = 0;
+};
+
+std::unique_ptr<RobotInstance::Saved> PolicyInstance::save() const {
+  auto moment = std::make_unique<Moment>();
+  moment->env = env_.save();
+  moment->command = command_;
+  moment->observation = observation_;
+  moment->action = action_;
+  moment->steps_left = steps_left_;
+  return moment;
+}
+
+void PolicyInstance::restore(const Saved& saved) {
+  const auto& moment = dynamic_cast<const Moment&>(saved);
+  env_.restore(*moment.env);
+  policy_->reset(0);
+  command_ = moment.command;
+  observation_ = moment.observation;
+  action_ = moment.action;
+  steps_left_ = moment.steps_left;
+}
+
+void PolicyInstance::pull(const Vector3& force) {
+  if (steps_left_ == 0) env_.apply_wrench({.wrench = {force}});
 }
 
 void PolicyInstance::step() {

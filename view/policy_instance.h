@@ -21,10 +21,16 @@ class PolicyInstance final : public RobotInstance {
   std::unique_ptr<RobotInstance> with_terrain(const Engine& engine,
                                               const TerrainChoice& ground) const override;
 
+  std::unique_ptr<RobotInstance> with_changes(const Engine& engine,
+                                              const std::vector<QuantityChange>& changes) const override;
+  std::unique_ptr<Saved> save() const override;
+  void restore(const Saved& saved) override;
+
   /// Makes control steps a policy step at a time, with the first of it.
   void step() override;
   void stand_up() override;
   void push(const Vector3& impulse) override;
+  void pull(const Vector3& force) override;
 
   void set_command(const VelocityCommand& command) override;
   void set_gait(const std::string& gait) override;
@@ -39,6 +45,7 @@ class PolicyInstance final : public RobotInstance {
   Outcome outcome() const noexcept override { return env_.info().outcome; }
 
  private:
+  struct Moment;
   PolicyInstance(const Engine& engine, const LoadedEnv& environment, PolicyFactory make);
   PolicyInstance(const Engine& engine, const PolicyInstance& other);
 

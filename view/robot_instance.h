@@ -5,10 +5,12 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "gait/gait_generator.h"
 #include "motion/outcome.h"
 #include "physics/engine/engine.h"
+#include "physics/engine/world_quantities.h"
 
 namespace crossgait {
 
@@ -34,6 +36,21 @@ class RobotInstance {
   virtual std::unique_ptr<RobotInstance> with_terrain(const Engine& engine,
                                                       const TerrainChoice& ground) const = 0;
 
+  /// Makes one whose world is the first one's with these changes, in place of all changes before, and which
+  /// goes on as `with_engine` does. @throws ConfigError for what cannot change under way (physics_dt, delay),
+  /// and if the world cannot be made
+  virtual std::unique_ptr<RobotInstance> with_changes(const Engine& engine,
+                                                      const std::vector<QuantityChange>& changes) const = 0;
+
+  /// Holds a moment of an instance.
+  struct Saved {
+    virtual ~Saved() = default;
+  };
+  /// Saves what the motion depends on, but for what a policy remembers.
+  virtual std::unique_ptr<Saved> save() const = 0;
+  /// Continues where `saved` was: a moment of this instance, in this world.
+  virtual void restore(const Saved& saved) = 0;
+
   /// Goes on by one control step, unless it has ended (it left the ground, the engine diverged).
   virtual void step() = 0;
   /// Goes back to the stand at the origin, settled, without a command. @throws ConfigError if the parameters
@@ -41,6 +58,10 @@ class RobotInstance {
   virtual void stand_up() = 0;
   /// @param impulse  N s, in W, at the base. @throws ConfigError if not finite
   virtual void push(const Vector3& impulse) = 0;
+
+  /// Lets a force act on the base's origin in the next control step (of a policy: in those until its next
+  /// action). @param force  N, in W
+  virtual void pull(const Vector3& force) = 0;
 
   /// @throws ConfigError beyond `drive_limits`, or not finite
   virtual void set_command(const VelocityCommand& command) = 0;

@@ -1,6 +1,7 @@
 #include "view/session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -33,12 +34,21 @@ void check_engines_of(const std::vector<std::string>& engines, const std::vector
   }
 }
 
+constexpr double kLeastPace = 0.01;
+
+void require_within(double value, double least, double most, const char* element) {
+  if (!(value >= least && value <= most))
+    throw ConfigError(kSessionSource, element, fmt::format("{:g} to {:g}", least, most),
+                      fmt::format("{:g}", value));
+}
+
 }  // namespace
 
 ViewSession::ViewSession(const ViewSetup& setup, EngineProvider provider)
-    : setup_(setup), provider_(std::move(provider)) {
+    : setup_(setup), provider_(std::move(provider)), history_(setup.control_dt) {
   check_engines_of(setup_.engines, provider_.names);
   for (const std::string& engine : setup_.engines) instances_.push_back(make_instance(engine));
+  nominal_ = world();
 }
 
 std::unique_ptr<RobotInstance> ViewSession::make_instance(const std::string& engine) const {
@@ -67,8 +77,32 @@ void ViewSession::apply(const ViewCommand& command) {
                  [this](const TerrainCommand& c) { change_terrain(c); },
                  [this](const EnginesCommand& c) { choose_engines(c.engines); },
                  [this](const PauseCommand& c) { paused_ = c.on; },
+                 [this](const StepCommand& c) {
+                   if (!paused_)
+                     throw ConfigError(kSessionSource, "step", "a session that is paused", "one that runs");
+                   require_within(static_cast<double>(c.steps), 1, static_cast<double>(kMostStepsAtOnce),
+                                  "steps");
+                   for (std::uint64_t i = 0; i < c.steps; ++i) step_once();
+                 },
+                 [this](const PaceCommand& c) {
+                   require_within(c.pace, kLeastPace, 1, "pace");
+                   pace_ = c.pace;
+                 },
+                 [this](const BackCommand& c) {
+                   require_within(c.seconds, 0, history_.seconds(), "back, s");
+                   finish_recording();
+                   history_.back(c.seconds, instances_);
+                 },
+                 [this](const ChangeCommand& c) { change_world(c.changes); },
+                 [this](const PullCommand& c) { pulled_to_ = c.to; },
+                 [this](const ReleaseCommand&) { pulled_to_.reset(); },
+                 [this](const KeepCommand&) {
+                   finish_recording();
+                   publish(history_.traces(), history_.seconds());
+                 },
                  [this](const StandCommand&) {
                    finish_recording();
+                   history_.forget();
                    for (const auto& instance : instances_) instance->stand_up();
                  },
                  [this](const RecordCommand& c) { record(c.on); },
@@ -93,15 +127,33 @@ void ViewSession::push(const Vector3& impulse) {
 
 void ViewSession::choose_engines(const std::vector<std::string>& engines) {
   check_engines_of(engines, provider_.names);
-  std::vector<std::unique_ptr<RobotInstance>> instances;
+  RobotInstances instances;
   for (std::size_t i = 0; i < engines.size(); ++i) {
     // A further robot begins where the first one is.
     const RobotInstance& before = *instances_[i < instances_.size() ? i : 0];
     instances.push_back(before.with_engine(provider_.find(engines[i])));
   }
   finish_recording();
+  history_.forget();
   instances_ = std::move(instances);
   setup_.engines = engines;
+}
+
+void ViewSession::change_world(const std::vector<std::string>& texts) {
+  std::vector<QuantityChange> changes;
+  for (const std::string& text : texts) {
+    changes.push_back(parse_quantity_change(text, kSessionSource));
+    const std::string& name = changes.back().quantity->name;
+    if (name == "physics_dt" || name == "delay")
+      throw ConfigError(kSessionSource, name, "a quantity that may change under way", "one that may not");
+  }
+  RobotInstances instances;
+  for (std::size_t i = 0; i < instances_.size(); ++i)
+    instances.push_back(instances_[i]->with_changes(provider_.find(setup_.engines[i]), changes));
+  finish_recording();
+  history_.forget();
+  instances_ = std::move(instances);
+  changes_ = texts;
 }
 
 void ViewSession::change_terrain(const TerrainCommand& command) {
@@ -110,27 +162,48 @@ void ViewSession::change_terrain(const TerrainCommand& command) {
                       command.terrain);
   }
   const TerrainChoice ground{command.terrain, command.seed};
-  std::vector<std::unique_ptr<RobotInstance>> instances;
+  RobotInstances instances;
   for (std::size_t i = 0; i < instances_.size(); ++i)
     instances.push_back(instances_[i]->with_terrain(provider_.find(setup_.engines[i]), ground));
   finish_recording();
+  history_.forget();
   instances_ = std::move(instances);
   setup_.terrain_seed = command.seed;
   ++scene_revision_;
+  if (!changes_.empty()) change_world(changes_);  // a new ground has the world as it was at first
 }
 
 void ViewSession::advance(int steps) {
   if (paused_) return;
-  for (int i = 0; i < steps; ++i) {
-    for (const auto& instance : instances_) instance->step();
-    if (recorders_.empty()) continue;
-    for (std::size_t k = 0; k < instances_.size(); ++k) {
-      // Whose time stands still has ended, or made this step with the one before.
-      const double time = instances_[k]->world().state().time;
-      if (std::exchange(recorded_times_[k], time) != time)
-        recorders_[k].add(TraceSample(instances_[k]->world(), instances_[k]->targets()));
-    }
-    if (++recorded_steps_ == kMaxRecordedSteps) finish_recording();
+  for (int i = 0; i < steps; ++i) step_once();
+}
+
+void ViewSession::step_once() {
+  if (pulled_to_) pull();
+  for (const auto& instance : instances_) instance->step();
+  history_.add(instances_);
+  if (recorders_.empty()) return;
+  for (std::size_t k = 0; k < instances_.size(); ++k) {
+    // Whose time stands still has ended, or made this step with the one before.
+    const double time = instances_[k]->world().state().time;
+    if (std::exchange(recorded_times_[k], time) != time)
+      recorders_[k].add(TraceSample(instances_[k]->world(), instances_[k]->targets()));
+  }
+  if (++recorded_steps_ == kMaxRecordedSteps) finish_recording();
+}
+
+// A spring that lifts the robot by a standing height, damped as that mass on it is critically; no stronger
+// than twice the weight.
+void ViewSession::pull() {
+  const RobotDescription& robot = *world().robot;
+  const double mass = robot.total_mass(), most = 2 * mass * kGravity;
+  const double stiffness = mass * kGravity / std::max(robot.standing_height, 0.05);
+  const double damping = 2 * std::sqrt(stiffness * mass);
+  for (const auto& instance : instances_) {
+    const RobotState& state = instance->world().state();
+    const Vector3 force = stiffness * (*pulled_to_ - state.p_WB) - damping * state.v_WB;
+    if (instance->outcome() != Outcome::kDiverged)
+      instance->pull(force * std::min(1.0, most / std::max(force.norm(), 1e-9)));
   }
 }
 
@@ -144,20 +217,25 @@ void ViewSession::record(bool on) {
 
 void ViewSession::finish_recording() {
   if (recorders_.empty()) return;
-  std::vector<TraceRecorder> recorders = std::exchange(recorders_, {});
-  const std::size_t steps = std::exchange(recorded_steps_, 0);
+  std::vector<Trace> traces;
+  for (TraceRecorder& recorder : recorders_) traces.push_back(recorder.take());
+  recorders_.clear();
+  publish(std::move(traces), static_cast<double>(std::exchange(recorded_steps_, 0)) * setup_.control_dt);
+}
+
+void ViewSession::publish(std::vector<Trace> traces, double seconds) {
   Motion motion{.robot = world().robot, .terrain = world().terrain, .runs = {}};
-  for (std::size_t instance = 0; instance < instances_.size(); ++instance) {
-    if (recorders[instance].samples().empty()) continue;
+  for (std::size_t instance = 0; instance < traces.size(); ++instance) {
+    if (traces[instance].empty()) continue;
     const EngineInfo& engine = instances_[instance]->world().info();
-    motion.runs.push_back({engine.name, engine.library + " " + engine.version, recorders[instance].take()});
+    motion.runs.push_back({engine.name, engine.library + " " + engine.version, std::move(traces[instance])});
   }
   if (motion.runs.empty()) return;
   ReportPage page;
   const GaitGenerator* gait = instances_.front()->gait();
-  page.title =
-      fmt::format("{} on {}, {:.2f} s, driven by hand", gait != nullptr ? gait->gait().name : "a policy",
-                  world().terrain.name(), static_cast<double>(steps) * setup_.control_dt);
+  page.title = fmt::format("{} on {}, {:.2f} s, driven by hand{}",
+                           gait != nullptr ? gait->gait().name : "a policy", world().terrain.name(), seconds,
+                           changes_.empty() ? "" : fmt::format(", {}", fmt::join(changes_, ", ")));
   page.motions.push_back(std::move(motion));
   recording_ = std::make_shared<const ReportPage>(std::move(page));
   ++recordings_;

@@ -14,7 +14,7 @@
 #include "env/loaded_env.h"
 #include "report/page.h"
 #include "view/command.h"
-#include "view/robot_instance.h"
+#include "view/session_history.h"
 
 namespace crossgait {
 
@@ -43,6 +43,8 @@ struct ViewSetup {
 inline constexpr std::size_t kMaxInstances = 3;
 /// Longest recording, control steps: a minute at 2 ms.
 inline constexpr std::size_t kMaxRecordedSteps = 30'000;
+/// Most control steps of a StepCommand.
+inline constexpr std::uint64_t kMostStepsAtOnce = 500;
 
 class ViewSession {
  public:
@@ -52,31 +54,39 @@ class ViewSession {
   /// Applies a command at once, before the next step. A command that is refused changes nothing.
   /// @throws ConfigError for what is out of bounds, not known or cannot be made
   void apply(const ViewCommand& command);
-  /// Steps all robots together; does nothing while paused. Memory stays as it is, but for a recording
+  /// Steps all robots together; does nothing while paused. Memory stays as it is once there is a minute of
+  /// history, but for a recording.
   void advance(int steps);
 
   double control_dt() const noexcept { return setup_.control_dt; }
   bool paused() const noexcept { return paused_; }
-  const std::vector<std::unique_ptr<RobotInstance>>& instances() const noexcept { return instances_; }
+  /// Returns simulated time over time on the clock, as a viewer wants it.
+  double pace() const noexcept { return pace_; }
+  const RobotInstances& instances() const noexcept { return instances_; }
 
   // As documents, for pages (session_documents.cpp).
 
   /// Writes what does not change: `engines`, `most_engines`, `gaits` (`name`, `summary`), `parameters`
-  /// (`name`, `unit`, `help`, `min`, `max`), `curves` (of the swing), `terrains` (`name`, `help`), `limits`
+  /// (`name`, `unit`, `help`, `min`, `max`), `curves` (of the swing), `terrains` (`name`, `help`), `joints`
+  /// (names of servos), `quantities` that may be changed (`name`, `unit`, `help`, `factor`: whether by a
+  /// factor, `min`, `max`, `value`), `limits`
   /// (`forward`, `left`, `yaw_rate`, `push`), `mass` (kg) and `policy` (its name, null where a hand drives).
   nlohmann::ordered_json options() const;
   /// Writes what changes with the ground: `revision`, `scene` (report/scene.h) and its `numbers` in base64.
   nlohmann::ordered_json scene() const;
   /// Grows with every change of the ground.
   int scene_revision() const noexcept { return scene_revision_; }
-  /// Writes the moment: `scene` (revision), `paused`, `chosen` (what the driver chose, `auto` perhaps),
-  /// `gait` (the one that walks), `curve`, `phase` and `parameters` (values, in the order of `options`; all
-  /// five null where joints are commanded), `command` (`vx`, `vy`, `yaw_rate`), `terrain`, `seed`, `recorded`
-  /// (s, null if nothing is being recorded), `reports` (recordings so far) and `robots`: `engine`, `law` (of
-  /// contact), `outcome`, `time` (s), `poses` of all bodies in W (x, y, z in m, quaternion x, y, z, w),
-  /// `feet` (centres in W, m), `forces` on them (in W, N), `contact` and `swing` by leg, `velocity` of the
-  /// base (forward, left in m/s, turning left in rad/s), `roll`, `pitch` (rad) and `height` over the ground
-  /// (m). Numbers are rounded to 1e-5.
+  /// Writes the moment: `scene` (revision), `paused`, `pace`, `back` (s that can be gone back), `changes` (of
+  /// the world, as ChangeCommand has them), `pull` (the point that pulls, null if none does), `chosen` (what
+  /// the driver chose, `auto` perhaps), `gait` (the one that walks), `curve`, `phase` and `parameters`
+  /// (values, in the order of `options`; all five null where joints are commanded), `command` (`vx`, `vy`,
+  /// `yaw_rate`), `terrain`, `seed`, `recorded` (s, null if nothing is being recorded), `reports` (recordings
+  /// so far) and `robots`: `engine`, `law` (of contact), `outcome`, `time` (s), `poses` of all bodies in W
+  /// (x, y, z in m, quaternion x, y, z, w), `feet` (centres in W, m), `forces` on them (in W, N), `contact`
+  /// and `swing` by leg, `velocity` of the base (forward, left in m/s, turning left in rad/s), `roll`,
+  /// `pitch` (rad), `height` over the ground (m), `angles` (rad), `speeds` (rad/s) and `torques` (N m) of
+  /// servos in the order of `options`, and from the first robot `gap` (of the bases, m) and `turned` (rad).
+  /// Numbers are rounded to 1e-5.
   nlohmann::ordered_json frame() const;
 
   /// Returns the last recording that was finished; null if there is none. It does not change any more.
@@ -87,15 +97,24 @@ class ViewSession {
   const WorldSpec& world() const { return instances_.front()->world().spec(); }
   void choose_engines(const std::vector<std::string>& engines);
   void change_terrain(const TerrainCommand& command);
+  void change_world(const std::vector<std::string>& texts);
   void push(const Vector3& impulse);
+  void pull();
+  void step_once();
   template <typename Change>
   void change_all(const Change& change);
   void record(bool on);
   void finish_recording();
+  void publish(std::vector<Trace> traces, double seconds);
 
   ViewSetup setup_;
   EngineProvider provider_;
-  std::vector<std::unique_ptr<RobotInstance>> instances_;
+  RobotInstances instances_;
+  WorldSpec nominal_;  ///< the first robot's world without changes
+  std::vector<std::string> changes_;
+  SessionHistory history_;
+  std::optional<Vector3> pulled_to_;
+  double pace_ = 1;
   int scene_revision_ = 1, recordings_ = 0;
   bool paused_ = false;
   std::vector<TraceRecorder> recorders_;  // one per instance while there is a recording

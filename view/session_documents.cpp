@@ -1,7 +1,9 @@
 // What a session tells pages.
+#include <array>
 #include <cmath>
 
 #include "gait/scale.h"
+#include "physics/engine/world_quantities.h"
 #include "physics/robot/multibody.h"
 #include "report/scene.h"
 #include "view/gait_drive.h"
@@ -15,6 +17,20 @@ using nlohmann::ordered_json;
 /// Half the side of the plane that is drawn, m; the page moves it along with the robot.
 constexpr double kPlaneReach = 4;
 
+/// A quantity of the world on a slider: by a factor, or a value.
+struct LiveQuantity {
+  std::string_view name;
+  bool is_factor;
+  double min, max;
+};
+constexpr std::array kLiveQuantities{
+    LiveQuantity{"friction", false, 0.05, 1.5}, LiveQuantity{"slope", false, -25, 25},
+    LiveQuantity{"gravity", false, 1, 15},      LiveQuantity{"trunk_mass", true, 0.5, 3},
+    LiveQuantity{"mass", true, 0.5, 2},         LiveQuantity{"kp", true, 0.1, 3},
+    LiveQuantity{"kd", true, 0.1, 3},           LiveQuantity{"effort", true, 0.1, 2},
+    LiveQuantity{"impratio", false, 1, 100},
+};
+
 // Five digits behind the point: what a picture shows of metres and quaternions, and short as text.
 double rounded(double value) noexcept { return std::round(value * 1e5) / 1e5; }
 
@@ -22,7 +38,31 @@ void append(ordered_json& list, const Vector3& v) {
   for (const double value : v) list.push_back(rounded(value));
 }
 
-ordered_json robot_frame(const RobotInstance& instance) {
+/// Rounded numbers of servos.
+ordered_json of_servos(const RobotDescription& robot, const JointVector& numbers) {
+  ordered_json list = ordered_json::array();
+  for (const int i : robot.actuated_joints()) list.push_back(rounded(numbers[i]));
+  return list;
+}
+
+ordered_json quantities_of(const WorldSpec& world) {
+  ordered_json list = ordered_json::array();
+  for (const LiveQuantity& live : kLiveQuantities) {
+    const WorldQuantity& quantity = find_world_quantity(live.name, "view");
+    const double value = live.is_factor ? 1 : quantity.get(world).front();
+    list.push_back({{"name", live.name},
+                    {"unit", live.is_factor ? "times" : quantity.unit},
+                    {"help", quantity.help},
+                    {"factor", live.is_factor},
+                    {"min", live.min},
+                    {"max", live.max},
+                    {"value", value}});
+  }
+  return list;
+}
+
+/// @param first  of all robots
+ordered_json robot_frame(const RobotInstance& instance, const RobotState& first) {
   const PhysicsBackend& world = instance.world();
   const RobotState& state = world.state();
   const RobotDescription& robot = world.robot();
@@ -57,7 +97,12 @@ ordered_json robot_frame(const RobotInstance& instance) {
           {"velocity", {rounded(velocity.x()), rounded(velocity.y()), rounded(state.w_WB.z())}},
           {"roll", rounded(angles.x())},
           {"pitch", rounded(angles.y())},
-          {"height", rounded(p.z() - world.spec().terrain.height(p.x(), p.y()))}};
+          {"height", rounded(p.z() - world.spec().terrain.height(p.x(), p.y()))},
+          {"angles", of_servos(robot, state.q)},
+          {"speeds", of_servos(robot, state.qd)},
+          {"torques", of_servos(robot, world.servo_torques())},
+          {"gap", rounded((p - first.p_WB).norm())},
+          {"turned", rounded(state.q_WB.angularDistance(first.q_WB))}};
 }
 
 }  // namespace
@@ -76,6 +121,8 @@ ordered_json ViewSession::options() const {
     parameters.push_back(
         {{"name", row.name}, {"unit", row.unit}, {"help", row.help}, {"min", range.min}, {"max", range.max}});
   }
+  ordered_json joints = ordered_json::array();
+  for (const int i : robot.actuated_joints()) joints.push_back(robot.joint(i).name);
   for (const TerrainGenerator& terrain : terrain_generators())
     terrains.push_back({{"name", terrain.name}, {"help", terrain.help}});
   return {{"engines", provider_.names},
@@ -84,6 +131,8 @@ ordered_json ViewSession::options() const {
           {"parameters", std::move(parameters)},
           {"curves", {name(SwingCurve::kBezier), name(SwingCurve::kMatched)}},
           {"terrains", std::move(terrains)},
+          {"joints", std::move(joints)},
+          {"quantities", quantities_of(nominal_)},
           {"limits",
            {{"forward", limits.forward},
             {"left", limits.left},
@@ -107,12 +156,19 @@ ordered_json ViewSession::frame() const {
   if (gait != nullptr) {
     for (const ParameterRow& row : gait_parameters()) parameters.push_back(gait->parameters().*row.member);
   }
-  for (const auto& instance : instances_) robots.push_back(robot_frame(*instance));
+  for (const auto& instance : instances_)
+    robots.push_back(robot_frame(*instance, instances_.front()->world().state()));
   ordered_json recorded;
   if (!recorders_.empty()) recorded = rounded(static_cast<double>(recorded_steps_) * setup_.control_dt);
   const VelocityCommand& command = instances_.front()->command();
   return {{"scene", scene_revision_},
           {"paused", paused_},
+          {"pace", pace_},
+          {"back", rounded(history_.seconds())},
+          {"changes", changes_},
+          {"pull", pulled_to_ ? ordered_json{rounded(pulled_to_->x()), rounded(pulled_to_->y()),
+                                             rounded(pulled_to_->z())}
+                              : ordered_json()},
           {"gait", gait != nullptr ? ordered_json(gait->gait().name) : ordered_json()},
           {"chosen", gait != nullptr ? ordered_json(instances_.front()->chosen_gait()) : ordered_json()},
           {"curve", gait != nullptr ? ordered_json(name(gait->parameters().swing)) : ordered_json()},

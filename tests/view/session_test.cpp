@@ -92,6 +92,102 @@ TEST_P(ViewSessionTest, PausesAndGoesOn) {
   EXPECT_GT(state_of(*session_).time, before.time);
 }
 
+TEST_P(ViewSessionTest, StepsWhilePaused) {
+  EXPECT_THROW(tell(*session_, R"({"do": "step", "steps": 1})"), ConfigError) << "it runs";
+  tell(*session_, R"({"do": "pause", "on": true})");
+  const double before = state_of(*session_).time;
+  tell(*session_, R"({"do": "step", "steps": 3})");
+  EXPECT_NEAR(state_of(*session_).time - before, 3 * session_->control_dt(), 1e-12);
+  for (const char* steps : {"0", "501"})
+    EXPECT_THROW(tell(*session_, fmt::format(R"({{"do": "step", "steps": {}}})", steps)), ConfigError)
+        << steps;
+}
+
+// The same commands from there give the same motion again.
+TEST_P(ViewSessionTest, GoesBackToAMomentAndOnFromIt) {
+  tell(*session_, kForward);
+  session_->advance(kSecond);
+  EXPECT_NEAR(session_->frame()["back"].get<double>(), 1, 0.01);
+  tell(*session_, R"({"do": "back", "seconds": 0.5})");
+  const RobotState then = state_of(*session_);
+  EXPECT_NEAR(session_->frame()["back"].get<double>(), 0.45, 0.1);
+  session_->advance(100);
+  const RobotState once = state_of(*session_);
+  tell(*session_, R"({"do": "back", "seconds": 0.2})");
+  EXPECT_EQ(state_of(*session_).time, then.time);
+  EXPECT_EQ(difference(state_of(*session_), then), 0);
+  session_->advance(100);
+  EXPECT_EQ(difference(state_of(*session_), once), 0);
+  EXPECT_THROW(tell(*session_, R"({"do": "back", "seconds": 100})"), ConfigError);
+  tell(*session_, R"({"do": "stand"})");
+  EXPECT_EQ(session_->frame()["back"].get<double>(), 0);
+}
+
+TEST_P(ViewSessionTest, AChangedWorldGoesOnWhereTheOtherWas) {
+  tell(*session_, kForward);
+  session_->advance(kSecond);
+  const RobotState before = state_of(*session_);
+  const double mass = session_->instances().front()->world().robot().total_mass();
+  tell(*session_, R"({"do": "change", "changes": ["mass=x1.5", "friction=0.3"]})");
+  EXPECT_LT(difference(state_of(*session_), before), 1e-12);
+  const PhysicsBackend& changed = session_->instances().front()->world();
+  EXPECT_NEAR(changed.robot().total_mass(), 1.5 * mass, 1e-9);
+  EXPECT_EQ(changed.spec().contact.friction, 0.3);
+  // In place of those before, also on another ground and in another engine.
+  tell(*session_, R"({"do": "change", "changes": ["friction=0.4"]})");
+  tell(*session_, R"({"do": "terrain", "terrain": "waves", "seed": 1})");
+  tell(*session_, engines_command({available_engines().back()}));
+  const PhysicsBackend& other = session_->instances().front()->world();
+  EXPECT_NEAR(other.robot().total_mass(), mass, 1e-9);
+  EXPECT_EQ(other.spec().contact.friction, 0.4);
+  EXPECT_EQ(session_->frame()["changes"], nlohmann::json({"friction=0.4"}));
+  for (const char* changes :
+       {R"(["friction=-1"])", R"(["delay=0.01"])", R"(["physics_dt=0.002"])", R"(["wind=3"])"}) {
+    EXPECT_THROW(tell(*session_, fmt::format(R"({{"do": "change", "changes": {}}})", changes)), ConfigError)
+        << changes;
+    EXPECT_EQ(session_->instances().front()->world().spec().contact.friction, 0.4) << "as it was";
+  }
+  tell(*session_, R"({"do": "change", "changes": []})");
+  EXPECT_EQ(session_->instances().front()->world().spec().contact.friction, WorldSpec().contact.friction);
+}
+
+// A spring of m g / h holds the robot that hangs on it by h below its end.
+TEST_P(ViewSessionTest, ASpringLiftsTheRobotUntilItIsReleased) {
+  const RobotDescription& robot = session_->instances().front()->world().robot();
+  const double height = 3 * robot.home_height;
+  tell(*session_, fmt::format(R"({{"do": "pull", "to": [0, 0, {}]}})", height));
+  session_->advance(4 * kSecond);
+  EXPECT_NEAR(state_of(*session_).p_WB.z(), height - robot.standing_height, 0.02 * robot.standing_height);
+  EXPECT_FALSE(session_->frame()["pull"].is_null());
+  tell(*session_, R"({"do": "release"})");
+  session_->advance(kSecond / 10);
+  EXPECT_LT(state_of(*session_).v_WB.z(), -0.5) << "it falls";
+}
+
+TEST_P(ViewSessionTest, TheLastMinuteCanBeKept) {
+  tell(*session_, R"({"do": "keep"})");
+  EXPECT_EQ(session_->recording(), nullptr) << "nothing has happened";
+  tell(*session_, kForward);
+  session_->advance(kSecond);
+  tell(*session_, R"({"do": "keep"})");
+  ASSERT_NE(session_->recording(), nullptr);
+  const Trace& trace = session_->recording()->motions.front().runs.front().samples;
+  EXPECT_EQ(trace.size(), 50U);
+  EXPECT_EQ(trace.back().state.time, state_of(*session_).time);
+}
+
+TEST_P(ViewSessionTest, AFrameTellsGapsAndServos) {
+  tell(*session_, engines_command({GetParam(), GetParam()}));
+  session_->instances().back()->push(Vector3(0, 1, 0));
+  session_->advance(100);
+  const nlohmann::ordered_json frame = session_->frame(), options = session_->options();
+  EXPECT_EQ(frame["robots"][0]["gap"], 0);
+  EXPECT_GT(frame["robots"][1]["gap"].get<double>(), 1e-3);
+  for (const char* list : {"angles", "speeds", "torques"})
+    EXPECT_EQ(frame["robots"][0][list].size(), options["joints"].size()) << list;
+  EXPECT_FALSE(options["quantities"].empty());
+}
+
 TEST_P(ViewSessionTest, AnotherEngineGoesOnWhereThisOneWas) {
   const Laws laws = find_engine(GetParam()).info.laws;
   for (const std::string& other : available_engines()) {

@@ -17,6 +17,7 @@ const KEYS: [string, string][] = [
   ["space", "stop"],
   ["i k j l", "push forward, back, left, right"],
   ["p u r", "pause, stand up, record"],
+  [". ,", "a step while paused, a second back"],
   ["1 2 3 4", "three-quarter, side, front, top"],
   ["w a s d + \u2212", "turn the view, zoom"],
   ["f b t", "follow, side by side, light or dark"],
@@ -24,6 +25,7 @@ const KEYS: [string, string][] = [
 /** Share of the largest push that a key gives. */
 const KEY_PUSH = 0.4;
 const GRAVITY = 9.81;
+const PACES = [1, 0.5, 0.2, 0.1, 0.05];
 
 /** What walks, and who chose it. */
 function gaitOf(frame: LiveFrame): string | null {
@@ -50,6 +52,35 @@ export class LivePage {
   private readonly clock = h("output", { class: "clock" });
   private readonly pause = button("\u275a\u275a", "Pause or go on (p)", () =>
     this.link.send({ do: "pause", on: !this.frame?.paused }),
+  );
+  private readonly step = button("\u275a\u25b6", "\u275a\u25b6 one control step while paused (.)", () =>
+    this.link.send({ do: "step", steps: 1 }),
+  );
+  private readonly back = button("\u21b6 1 s", "\u21b6 1 s: a second back, of the last minute (,)", () =>
+    this.link.send({ do: "back", seconds: Math.min(1, this.frame?.back ?? 0) }),
+  );
+  private readonly pace: HTMLSelectElement = h(
+    "select",
+    {
+      "aria-label": "Pace: simulated time over time on the clock",
+      title: "Slow motion",
+      change: () => {
+        this.link.send({ do: "pace", pace: Number(this.pace.value) });
+        this.pace.blur();
+      },
+    },
+    ...PACES.map((pace) => h("option", { value: pace }, `${pace}\u00d7`)),
+  );
+  private readonly keep = button(
+    "keep the last minute",
+    "keep the last minute: it becomes a report that can be saved",
+    () => this.link.send({ do: "keep" }),
+  );
+  private readonly spring = toggle(
+    "spring",
+    "A spring holds the robot while the pointer is down, in the place of a push",
+    false,
+    () => {},
   );
   private readonly record = button("\u25cf record", "Record a minute at most (r)", () =>
     this.link.send({ do: "record", on: this.frame?.recorded === null }),
@@ -121,8 +152,12 @@ export class LivePage {
       { class: "transport" },
       stop,
       this.pause,
+      this.step,
+      this.back,
+      this.pace,
       button("stand up", "stand up: back to the start (u)", () => this.link.send({ do: "stand" })),
       this.record,
+      this.keep,
       this.save,
       this.clock,
     );
@@ -133,7 +168,7 @@ export class LivePage {
       toggle("forces", "Forces on the feet", true, (on) => this.view && ((this.view.forces = on), this.view.paint())),
       toggle("trails", "Paths of the feet", true, (on) => this.view && ((this.view.trails = on), this.view.paint())),
     ];
-    const hint = h("span", { class: "muted" }, "pull at the robot to push it");
+    const hint = h("span", { class: "muted" }, "pull at the robot to push it", this.spring);
     return h(
       "div",
       { class: "stage" },
@@ -173,6 +208,9 @@ export class LivePage {
     this.clock.textContent = `${frame.robots[0]!.time.toFixed(1)} s, ${frame.paused ? "paused" : `${frame.rate.toFixed(2)}\u00d7`}`;
     this.clock.title = "Simulated time, and how fast it passes";
     this.pause.setAttribute("aria-pressed", String(frame.paused));
+    this.step.disabled = !frame.paused;
+    this.back.disabled = frame.back === 0;
+    if (document.activeElement !== this.pace) this.pace.value = String(frame.pace);
     this.record.setAttribute("aria-pressed", String(frame.recorded !== null));
     this.record.textContent = frame.recorded === null ? "\u25cf record" : `\u25a0 ${frame.recorded.toFixed(1)} s`;
     this.save.hidden = frame.reports === 0;
@@ -223,13 +261,12 @@ export class LivePage {
       view.viewpoint.camera.position.copy(view.viewpoint.controls.target).add(before);
       view.viewpoint.controls.update();
     }
-    new Pusher(
-      view,
-      scene.standing_height || 0.2,
-      this.options.limits.push,
-      (impulse) => this.link.send({ do: "push", impulse }),
-      (words) => this.say(words),
-    );
+    new Pusher(view, scene.standing_height || 0.2, this.options.limits.push, {
+      isSpring: () => this.spring.querySelector("input")!.checked,
+      push: (impulse) => this.link.send({ do: "push", impulse }),
+      pull: (to) => this.link.send(to ? { do: "pull", to } : { do: "release" }),
+      say: (words) => this.say(words),
+    });
   }
   private arrange(): void {
     if (!this.view) return;
@@ -277,6 +314,8 @@ export class LivePage {
       j: () => this.push(0, 1),
       l: () => this.push(0, -1),
       p: () => this.pause.click(),
+      ".": () => this.step.click(),
+      ",": () => this.back.click(),
       u: () => this.link.send({ do: "stand" }),
       r: () => this.record.click(),
       t: () => theme.toggle(),

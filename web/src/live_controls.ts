@@ -1,6 +1,7 @@
 // Sliders and choices of a live page. What they show is what the server says; what they are moved to is sent.
-import { digits, h, scroller } from "./dom";
-import type { Command, LiveFrame, LiveOptions, LiveRobot } from "./live_link";
+import { button, digits, h, scroller } from "./dom";
+import type { Command, LiveFrame, LiveOptions, LiveQuantity, LiveRobot } from "./live_link";
+import { LivePlot } from "./live_plot";
 import type { Driver } from "./live_drive";
 import { theme } from "./theme";
 
@@ -79,7 +80,7 @@ function section(title: string, ...children: HTMLElement[]): HTMLElement {
 /** What a robot does, in numbers. */
 class Readout {
   readonly element = h("tr");
-  private readonly cells = Array.from({ length: 7 }, () => h("td"));
+  private readonly cells = Array.from({ length: 8 }, () => h("td"));
   private readonly lamps = ["FL", "FR", "RL", "RR"].map((leg) => h("i", { class: "lamp", title: `foot ${leg}` }, leg));
   private readonly name = h("th", { scope: "row" });
   private smooth: number[] | null = null;
@@ -97,6 +98,7 @@ class Readout {
       (1000 * robot.height).toFixed(0),
       (DEGREES * robot.roll).toFixed(1),
       (DEGREES * robot.pitch).toFixed(1),
+      this.index === 0 ? "" : (1000 * robot.gap).toFixed(1),
     ];
     this.name.textContent = robot.engine;
     this.element.style.setProperty("--colour", theme.runColour(this.index));
@@ -110,8 +112,46 @@ class Readout {
   }
 }
 
+/** The world's quantities by sliders: those that are moved away from what they were at first are changes. */
+class World {
+  readonly element: HTMLElement;
+  private readonly sliders: Slider[];
+  private readonly values: number[];
+
+  constructor(
+    private readonly known: LiveQuantity[],
+    private readonly change: (changes: string[]) => void,
+  ) {
+    this.values = known.map((q) => q.value);
+    this.sliders = known.map(
+      (q, i) =>
+        new Slider({ ...q, label: q.name.replaceAll("_", " ") }, (value) => {
+          this.values[i] = value;
+          this.change(this.changes());
+        }),
+    );
+    const reset: HTMLButtonElement = button("as at first", "as at first: the world", () => this.change([]));
+    this.element = section("World", ...this.sliders.map((slider) => slider.element), h("div", { class: "row" }, reset));
+  }
+  show(changes: string[]): void {
+    const said = new Map(changes.map((change) => change.split("=") as [string, string]));
+    this.known.forEach((q, i) => {
+      const text = said.get(q.name);
+      this.values[i] = text === undefined ? q.value : Number(text.replace("x", ""));
+      this.sliders[i]!.show(this.values[i]);
+    });
+  }
+  private changes(): string[] {
+    return this.known.flatMap((q, i) =>
+      this.values[i] === q.value ? [] : [`${q.name}=${q.factor ? "x" : ""}${this.values[i]}`],
+    );
+  }
+}
+
 export class Controls {
   readonly element: HTMLElement;
+  private readonly plot: LivePlot;
+  private readonly world: World;
   private readonly drive: [keyof LiveFrame["command"], Slider][];
   private readonly parameters: Slider[];
   private readonly gait: HTMLSelectElement;
@@ -192,6 +232,8 @@ export class Controls {
       title: "Seed",
       change: () => this.changeGround(),
     });
+    this.plot = new LivePlot(known);
+    this.world = new World(known.quantities, (changes) => send({ do: "change", changes }));
     // A policy has its own mind about the gait: sliders show what it does.
     if (known.policy !== null)
       for (const control of [this.gait, this.curve, ...this.parameters]) control.disabled = true;
@@ -222,6 +264,8 @@ export class Controls {
     if (this.rows.childElementCount !== this.readouts.length)
       this.rows.replaceChildren(...this.readouts.map((r) => r.element));
     this.readouts.forEach((readout, i) => readout.show(frame.robots[i]!));
+    this.world.show(frame.changes);
+    this.plot.add(frame);
   }
 
   private chooseEngines(): void {
@@ -246,6 +290,7 @@ export class Controls {
       "height, mm",
       "roll, \u00b0",
       "pitch, \u00b0",
+      "gap, mm",
       "feet",
     ];
     return scroller(
@@ -273,6 +318,8 @@ export class Controls {
           ...this.engines.slice(1),
         ),
       ),
+      section("Over time", this.plot.element),
+      this.world.element,
       section("Ground", h("div", { class: "row" }, this.terrain, this.settings, h("label", {}, "seed", this.seed))),
       section(
         "Gait",

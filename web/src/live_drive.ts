@@ -72,9 +72,22 @@ export class Driver {
   }
 }
 
-/** Pulling at the robot: an impulse along the way of the pointer, larger the longer it is. */
+/** What pulling at the robot does. */
+export interface Pulling {
+  /** Whether a spring holds it, or a push is made where the pointer ends. */
+  isSpring: () => boolean;
+  push: (impulse: [number, number, number]) => void;
+  /** Told a point in W, or null: let go. */
+  pull: (to: [number, number, number] | null) => void;
+  say: (words: string) => void;
+}
+
+/** Pulling at the robot: an impulse along the way of the pointer, larger the longer it is; or a spring to the pointer. */
 export class Pusher {
   private from: Vector3 | null = null;
+  private springs = false;
+  /** From where it was taken hold of to the base's origin, which the spring holds. */
+  private readonly offset = new Vector3();
   private to = new Vector3();
   private readonly ray = new Raycaster();
 
@@ -82,8 +95,7 @@ export class Pusher {
     private readonly view: View,
     private readonly size: number,
     private readonly most: number,
-    private readonly push: (impulse: [number, number, number]) => void,
-    private readonly show: (words: string) => void,
+    private readonly pulling: Pulling,
   ) {
     const canvas = view.canvas;
     // Before the view, which would turn.
@@ -109,6 +121,9 @@ export class Pusher {
     )[0];
     if (!hit) return;
     this.from = hit.point.clone();
+    this.springs = this.pulling.isSpring();
+    const base = this.view.robots[0]!.bodies[0]!.position;
+    this.offset.copy(base).sub(hit.point);
     this.to.copy(hit.point);
     this.view.viewpoint.controls.enabled = false;
     this.view.canvas.setPointerCapture(event.pointerId);
@@ -116,9 +131,19 @@ export class Pusher {
   private move(event: PointerEvent): void {
     if (!this.from) return;
     this.aim(event);
+    if (this.springs) return this.moveSpring();
     // In the level plane through where it was taken hold of.
     if (!this.ray.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -this.from.z), this.to)) return;
-    this.show(`push ${this.impulse().length().toFixed(3)} N s`);
+    this.pulling.say(`push ${this.impulse().length().toFixed(3)} N s`);
+  }
+  /** In the plane of the picture through where it was taken hold of. */
+  private moveSpring(): void {
+    const facing = this.view.viewpoint.camera.getWorldDirection(new Vector3());
+    const plane = new Plane().setFromNormalAndCoplanarPoint(facing, this.from!);
+    if (!this.ray.ray.intersectPlane(plane, this.to)) return;
+    const { x, y, z } = this.to.clone().add(this.offset);
+    this.pulling.pull([x, y, z]);
+    this.pulling.say("a spring holds the robot");
   }
   /** Two standing heights are as much as there is. */
   private impulse(): Vector3 {
@@ -133,7 +158,8 @@ export class Pusher {
     const impulse = this.impulse();
     this.from = null;
     this.view.viewpoint.controls.enabled = true;
-    this.show("");
-    if (done && impulse.length() > 0.02 * this.most) this.push([impulse.x, impulse.y, 0]);
+    this.pulling.say("");
+    if (this.springs) return this.pulling.pull(null);
+    if (done && impulse.length() > 0.02 * this.most) this.pulling.push([impulse.x, impulse.y, 0]);
   }
 }

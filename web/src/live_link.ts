@@ -11,8 +11,23 @@ export interface LiveOptions {
   terrains: { name: string; help: string }[];
   limits: { forward: number; left: number; yaw_rate: number; push: number };
   mass: number;
+  /** Names of servos, in the order of angles, speeds and torques. */
+  joints: string[];
+  /** What of the world may be changed under way. */
+  quantities: LiveQuantity[];
   /** What drives beside the hand, if anything does. */
   policy: string | null;
+}
+
+export interface LiveQuantity {
+  name: string;
+  unit: string;
+  help: string;
+  /** Whether it is changed by a factor. */
+  factor: boolean;
+  min: number;
+  max: number;
+  value: number;
 }
 
 export interface LiveScene {
@@ -35,6 +50,12 @@ export interface LiveRobot {
   roll: number;
   pitch: number;
   height: number;
+  angles: number[];
+  speeds: number[];
+  torques: number[];
+  /** From the first robot, m and rad. */
+  gap: number;
+  turned: number;
 }
 
 export interface Velocity {
@@ -47,6 +68,12 @@ export interface LiveFrame {
   number: number;
   scene: number;
   paused: boolean;
+  pace: number;
+  /** Seconds that can be gone back. */
+  back: number;
+  changes: string[];
+  /** The point that pulls at the base, if one does. */
+  pull: [number, number, number] | null;
   rate: number;
   /** These five are null where a policy commands joints. What was chosen may be "auto"; the gait is what walks. */
   chosen: string | null;
@@ -71,6 +98,13 @@ export type Command =
   | { do: "terrain"; terrain: string; seed: number }
   | { do: "engines"; engines: string[] }
   | { do: "pause"; on: boolean }
+  | { do: "step"; steps: number }
+  | { do: "pace"; pace: number }
+  | { do: "back"; seconds: number }
+  | { do: "change"; changes: string[] }
+  | { do: "pull"; to: [number, number, number] }
+  | { do: "release" }
+  | { do: "keep" }
   | { do: "stand" }
   | { do: "record"; on: boolean };
 
@@ -105,9 +139,10 @@ export class Link {
   }
 
   send(command: Command): void {
-    const kind = command.do === "set" ? `set ${command.name}` : command.do;
-    // Pushes add up; of everything else the last one counts.
-    if (command.do === "push" || !this.busy.has(kind)) void this.post(kind, command);
+    // A release has to come after the last pull.
+    const kind = command.do === "set" ? `set ${command.name}` : command.do === "release" ? "pull" : command.do;
+    // Pushes, steps and ways back add up; of everything else the last one counts.
+    if (["push", "step", "back"].includes(command.do) || !this.busy.has(kind)) void this.post(kind, command);
     else this.waiting.set(kind, command);
   }
 

@@ -185,6 +185,85 @@ test("sliders set parameters, and pulling at the robot pushes it", async () => {
   await page.close();
 });
 
+test("time is stopped, stepped, slowed and turned back", async () => {
+  const { page, problems } = await openLive();
+  await page.evaluate(() => document.activeElement.blur());
+  await page.waitForFunction(() => window.crossgait.frame.back > 1.5);
+  await page.keyboard.press("p");
+  await page.waitForFunction(() => window.crossgait.frame.paused);
+  const stopped = (await frame(page)).robots[0].time;
+  await page.keyboard.press(".");
+  await page.waitForFunction((t) => window.crossgait.frame.robots[0].time > t, stopped);
+  const stepped = (await frame(page)).robots[0].time;
+  assert.ok(stepped - stopped < 0.0021, `${stepped - stopped} s in a step`);
+  await page.keyboard.press(",");
+  await page.waitForFunction((t) => window.crossgait.frame.robots[0].time < t, stopped - 0.8);
+  await page.getByLabel(/^Pace/).selectOption("0.1");
+  await page.waitForFunction(() => window.crossgait.frame.pace === 0.1);
+  await page.keyboard.press("p");
+  await page.waitForFunction(() => !window.crossgait.frame.paused && window.crossgait.frame.rate < 0.2);
+  await page.getByLabel(/^Pace/).selectOption("1");
+  await page.waitForFunction(() => window.crossgait.frame.pace === 1);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("the world is changed by sliders, and what came of it is plotted", async () => {
+  const { page, problems } = await openLive();
+  await page.getByLabel("Engine beside it, 1").selectOption(engines[0]);
+  await page.waitForFunction(() => window.crossgait.frame.robots.length === 2);
+  const friction = page.getByLabel("friction", { exact: true });
+  await friction.focus();
+  for (let i = 0; i < 5; ++i) await page.keyboard.press("ArrowLeft");
+  await page.waitForFunction(() => window.crossgait.frame.changes.some((change) => change.startsWith("friction=0.")));
+  await page.getByLabel("mass, times", { exact: true }).focus();
+  for (let i = 0; i < 5; ++i) await page.keyboard.press("ArrowRight");
+  await page.waitForFunction(() => window.crossgait.frame.changes.some((change) => change.startsWith("mass=x1.")));
+  assert.equal((await frame(page)).changes.length, 2);
+  for (const [signal, part] of [
+    ["torque", "1"],
+    ["load of a foot", "2"],
+    ["gap from the first", null],
+  ]) {
+    await page.getByLabel("What is plotted").selectOption(signal);
+    if (part) await page.getByLabel("Of which leg or joint").selectOption(part);
+    assert.equal(await page.getByLabel("Of which leg or joint").isVisible(), part !== null);
+    await page.locator(".live-plot canvas").waitFor();
+  }
+  await page.getByLabel("as at first: the world").click();
+  await page.waitForFunction(() => window.crossgait.frame.changes.length === 0);
+  await page.getByLabel(/^keep the last minute/).click();
+  await page.waitForFunction(() => window.crossgait.frame.reports > 0);
+  await page.getByLabel("Engine beside it, 1").selectOption("none");
+  await page.waitForFunction(() => window.crossgait.frame.robots.length === 1);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("a spring holds the robot while the pointer does", async () => {
+  const { page, problems } = await openLive();
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press("u");
+  await page.getByText("spring", { exact: true }).click();
+  const [x, y] = await page.evaluate(() => {
+    const { view } = window.crossgait;
+    view.viewpoint.camera.updateMatrixWorld();
+    const at = view.robots[0].bodies[0]
+      .getWorldPosition(view.viewpoint.camera.position.clone())
+      .project(view.viewpoint.camera);
+    const box = view.canvas.getBoundingClientRect();
+    return [box.left + ((at.x + 1) / 2) * box.width, box.top + ((1 - at.y) / 2) * box.height];
+  });
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x, y - 120, { steps: 4 });
+  await page.waitForFunction(() => window.crossgait.frame.pull !== null);
+  await page.mouse.up();
+  await page.waitForFunction(() => window.crossgait.frame.pull === null);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
 test("what is refused is said, and text is text", async () => {
   const { page } = await openLive();
   await page.getByLabel("Parameters of the ground").fill("<b id=hostile>=1");
