@@ -7,13 +7,16 @@
 #include <nlohmann/json.hpp>
 
 #include "physics/core/table.h"
+#include "physics/robot/actuator.h"
 #include "physics/robot/joint_numbers.h"
 #include "physics/robot/multibody.h"
+#include "physics/robot/shape_box.h"
 
 namespace crossgait {
 namespace {
 
 constexpr double kAlike = 0.01;
+constexpr double kNoTarget = 1e6;  // rad, beyond any range
 constexpr double kNothing = 1e-9;  // in any unit here: two numbers that are both none
 
 /// A robot at home, with what is measured in it.
@@ -35,6 +38,13 @@ struct AtHome {
   Vector3 middle = Vector3::Zero();  ///< of where legs begin, m: a base's own origin is anywhere
 };
 
+/// The diagonal of the box around what collides of a body, m; 0 of nothing.
+double box_of(const Body& body) {
+  Eigen::AlignedBox3d box;
+  for (const CollisionShape& shape : body.shapes) box.extend(box_around(shape));
+  return box.isEmpty() ? 0 : box.sizes().norm();
+}
+
 class DifferenceFinder {
  public:
   DifferenceFinder(const RobotDescription& a, const RobotDescription& b)
@@ -51,6 +61,13 @@ class DifferenceFinder {
     add("robot", "couplings", "", static_cast<double>(a.couplings.size()),
         static_cast<double>(b.couplings.size()));
     add("robot", "loops", "", static_cast<double>(a.loops.size()), static_cast<double>(b.loops.size()));
+    if (!a.loops.empty() && !b.loops.empty()) {
+      add("loops", "solref", "s", a.loop_softness.time_constant, b.loop_softness.time_constant);
+      add("loops", "solimp", "-", a.loop_softness.impedance_max, b.loop_softness.impedance_max);
+    }
+    add("base", "collision shapes", "", static_cast<double>(a.bodies[0].shapes.size()),
+        static_cast<double>(b.bodies[0].shapes.size()));
+    add("base", "size of their box", "m", box_of(a.bodies[0]), box_of(b.bodies[0]), length_);
     add_place("base", "centre of mass", a_.poses[0] * a.bodies[0].inertia.p_BC - a_.middle,
               b_.poses[0] * b.bodies[0].inertia.p_BC - b_.middle);
     add_contact();
@@ -118,11 +135,24 @@ class DifferenceFinder {
     };
     add_range("range", a.joint.lower, a.joint.upper, b.joint.lower, b.joint.upper);
     if (a.joint.actuated && b.joint.actuated)
-      add_range("targets", a.joint.target_lower, a.joint.target_upper, b.joint.target_lower,
-                b.joint.target_upper);
+      add_range("targets", clip_target(a.joint, -kNoTarget), clip_target(a.joint, kNoTarget),
+                clip_target(b.joint, -kNoTarget), clip_target(b.joint, kNoTarget));
+    if (a.joint.limited && b.joint.limited) {
+      add(of, "limit_solref", "s", a.joint.limit_softness.time_constant,
+          b.joint.limit_softness.time_constant);
+      add(of, "limit_solimp", "-", a.joint.limit_softness.impedance_max,
+          b.joint.limit_softness.impedance_max);
+    }
+    add(of, "collision shapes", "", static_cast<double>(a.shapes.size()),
+        static_cast<double>(b.shapes.size()));
+    add(of, "size of their box", "m", box_of(a), box_of(b), length_);
     add(of, "home", "rad", a_.robot.home[i], sign * b_.robot.home[j]);
-    for (const JointNumber& number : kJointNumbers)
-      add(of, number.name, number.unit, a.joint.*number.member, b.joint.*number.member);
+    for (const JointNumber& number : kJointNumbers) {
+      if (number.member != &Joint::effort_negative)
+        add(of, number.name, number.unit, a.joint.*number.member, b.joint.*number.member);
+    }
+    if (a.joint.effort_negative > 0 || b.joint.effort_negative > 0)
+      add(of, "effort_negative", "N m", negative_effort(a.joint), negative_effort(b.joint));
     if (a.joint.stiffness > 0 || b.joint.stiffness > 0)
       add(of, "spring_reference", "rad", a.joint.spring_reference, sign * b.joint.spring_reference);
   }

@@ -100,18 +100,20 @@ class Quantities {
   }
 
   void add_limits(const Joint& joint, const Joint& file) {
-    add(joint.name, "limits", "rad", List{file.lower, file.upper}, List{joint.lower, joint.upper},
+    const QuantityValue of_file =
+        file.limited ? QuantityValue(List{file.lower, file.upper}) : QuantityValue();
+    add(joint.name, "limits", "rad", of_file, List{joint.lower, joint.upper},
         joint.limited ? "targets are clipped to them, and engines keep the angle within them"
-                      : "targets are clipped to them; the file has the joint turn on");
+                      : "targets are clipped to them; the file has none that are limits");
     if (!joint.limited) return;
     const auto row = [&](const char* name, const char* unit, const List& says, const List& used,
                          const List& usual) {
       if (says == usual && used == usual) return;
       add(joint.name, name, unit, says, used, says == used ? kOfFile : "limit_softness of the robot.yaml");
     };
-    const Softness& of_file = file.limit_softness;
-    row("limit_solref", "s, -", solref(of_file), solref(joint.limit_softness), solref({}));
-    row("limit_solimp", "-, -, rad, -, -", solimp(of_file), solimp(joint.limit_softness), solimp({}));
+    const Softness& soft = file.limit_softness;
+    row("limit_solref", "s, -", solref(soft), solref(joint.limit_softness), solref({}));
+    row("limit_solimp", "-, -, rad, -, -", solimp(soft), solimp(joint.limit_softness), solimp({}));
   }
 
   /// What a drive's torque ends at is simulated in its place, where a robot.yaml says it.
@@ -161,11 +163,16 @@ class Quantities {
 
   void add_loops() {
     const std::optional<Softness>& file = loaded_.report.loop_softness;
+    const bool by_default = !file && loaded_.report.contact.has_mujoco_defaults;
     const Softness& used = loaded_.robot.loop_softness;
     const auto row = [&](const char* name, const char* unit, List (*numbers)(const Softness&)) {
-      const QuantityValue says = file ? QuantityValue(numbers(*file)) : QuantityValue();
+      const QuantityValue says = file         ? QuantityValue(numbers(*file))
+                                 : by_default ? QuantityValue(numbers({}))
+                                              : QuantityValue();
       add("loops", name, unit, says, numbers(used),
-          !file                             ? "none is given; loop_softness of a robot.yaml changes it"
+          by_default ? "MuJoCo's default, with which loops open by millimetres; loop_softness of a "
+                       "robot.yaml changes it"
+          : !file    ? "none is given; loop_softness of a robot.yaml changes it"
           : numbers(*file) == numbers(used) ? kOfFile
                                             : "loop_softness of the robot.yaml");
     };
@@ -263,7 +270,7 @@ bool is_alike(const QuantityValue& a, const QuantityValue& b) {
 /// Of contact: the file says it, and something else is simulated. What is not simulated at all is a warning
 /// of the reader's.
 bool is_lost(const RobotQuantity& row) {
-  const bool contact = row.of == "world" || row.of.starts_with("foot ");
+  const bool contact = row.of == "world" || row.of == "loops" || row.of.starts_with("foot ");
   return contact && !is_nothing(row.file) && !is_nothing(row.used) && !is_alike(row.file, row.used);
 }
 
@@ -325,11 +332,16 @@ std::vector<std::string> robot_warnings(const LoadedRobot& loaded, const WorldSp
   for (const RobotQuantity& row : robot_quantities(loaded, world)) {
     if (!is_lost(row)) continue;
     const std::string text = fmt::format("{} {} of the {} ({} is used)", row.name, value_text(row.file),
-                                         row.of == "world" ? "file" : "file's feet", value_text(row.used));
+                                         row.of == "world"   ? "file"
+                                         : row.of == "loops" ? "file's loops"
+                                                             : "file's feet",
+                                         value_text(row.used));
     if (std::find(lost.begin(), lost.end(), text) == lost.end()) lost.push_back(text);
   }
   if (!lost.empty())
-    warnings.push_back(fmt::format("not as the file says in contact and steps: {}", fmt::join(lost, "; ")));
+    warnings.push_back(fmt::format(
+        "not as the file has it, or its format where it says nothing, in contact, loops and steps: {}",
+        fmt::join(lost, "; ")));
   // At the world's steps, and at the file's if those are longer.
   const double dt = std::max(world.physics_dt, loaded.report.contact.timestep.value_or(0));
   for (std::string& warning : step_warnings(loaded.robot, world.contact, dt))

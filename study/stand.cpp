@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kAveraged = 0.25, kShortest = 0.5;  // s
 constexpr double kBorneByOthers = 0.1;               // of the weight
-constexpr double kLow = 0.5;                         // of the height at the targets
+constexpr double kLow = 0.5;                         // of the standing height
 
 double borne_by_others(const PhysicsBackend& world) {
   double force = 0;
@@ -77,7 +77,8 @@ Standing stand_in(PhysicsBackend& world, const std::string& engine, double secon
   standing.roll = angles.x();
   standing.pitch = angles.y();
   const double weight = -robot.total_mass() * world.spec().gravity.z();
-  const bool is_down = borne > kBorneByOthers * weight || standing.height < begin - kLow * robot.home_height;
+  const bool is_down =
+      borne > kBorneByOthers * weight || standing.height < begin - kLow * robot.standing_height;
   standing.outcome = is_down ? "collapsed" : "stood";
   return standing;
 }

@@ -20,7 +20,7 @@ struct StandingJoint {
 struct Standing {
   std::string engine;
   /// "stood"; "collapsed" where something other than feet bears a tenth of the weight or more at the end, or
-  /// the base is below half its height at the targets; "diverged", and then nothing else is told.
+  /// the base is lower by half the standing height; "diverged", and then nothing else is told.
   std::string outcome;
   double height = 0;                  ///< of the base's origin, m
   double sag = 0;                     ///< below where it would be at the targets, m

@@ -42,7 +42,9 @@ const Column kColumns[] = {{&MotionSummary::rms_roll_deg, "roll, deg", 2},
 std::vector<std::string> complaints_of(const TrialWalk& walk) {
   std::vector<std::string> list;
   const MotionSummary& s = walk.summary;
-  if (s.outcome != Outcome::kWalked) list.push_back(fmt::format("it {}", outcome_row(s.outcome).words));
+  if (s.outcome != Outcome::kWalked)
+    list.push_back(fmt::format("it {}", fmt::format(fmt::runtime(outcome_row(s.outcome).phrase),
+                                                    fmt::format("{:.2f} m", s.distance_m))));
   if (!(walk.speed_ratio >= kLeastSpeed && walk.speed_ratio <= kMostSpeed))
     list.push_back(fmt::format("it went {:.2f} of the speed it was told", walk.speed_ratio));
   if (s.rms_roll_deg > kMostTilt || s.rms_pitch_deg > kMostTilt)

@@ -22,7 +22,7 @@ SessionHistory::SessionHistory(double control_dt)
 void SessionHistory::forget() noexcept {
   moments_.clear();
   samples_.clear();
-  steps_ = 0;
+  steps_ = first_ = next_ = 0;
 }
 
 void SessionHistory::add(const RobotInstances& instances) {
@@ -34,10 +34,14 @@ void SessionHistory::add(const RobotInstances& instances) {
     if (moments_.front().step < oldest) moments_.pop_front();
   }
   if (steps_ % sample_steps_ == 0) {
-    Samples samples{steps_, {}};
-    for (const auto& instance : instances) samples.of.emplace_back(instance->world(), instance->targets());
-    samples_.push_back(std::move(samples));
-    if (samples_.front().step < oldest) samples_.pop_front();
+    if (samples_.empty())
+      samples_.assign(static_cast<std::size_t>(steps_in(kKept, control_dt_) / sample_steps_ + 1),
+                      {0, std::vector<TraceSample>(instances.size())});
+    Samples& now = samples(next_++);
+    now.step = steps_;
+    for (std::size_t i = 0; i < instances.size(); ++i)
+      now.of[i] = TraceSample(instances[i]->world(), instances[i]->targets());
+    while (samples(first_).step < oldest) ++first_;
   }
 }
 
@@ -52,16 +56,16 @@ void SessionHistory::back(double seconds, RobotInstances& instances) {
   const Moment& moment = moments_.back();
   for (std::size_t i = 0; i < instances.size(); ++i) instances[i]->restore(*moment.saved[i]);
   steps_ = moment.step;
-  while (!samples_.empty() && samples_.back().step > steps_) samples_.pop_back();
+  while (next_ > first_ && samples(next_ - 1).step > steps_) --next_;
 }
 
 std::vector<Trace> SessionHistory::traces() const {
   std::vector<Trace> traces(samples_.empty() ? 0 : samples_.front().of.size());
-  for (const Samples& samples : samples_) {
+  for (std::int64_t k = first_; k < next_; ++k) {
     for (std::size_t i = 0; i < traces.size(); ++i) {
+      const TraceSample& sample = samples(k).of[i];
       // Whose time stands still has ended, or made this step with the one before.
-      const bool is_new = traces[i].empty() || samples.of[i].state.time > traces[i].back().state.time;
-      if (is_new) traces[i].push_back(samples.of[i]);
+      if (traces[i].empty() || sample.state.time > traces[i].back().state.time) traces[i].push_back(sample);
     }
   }
   return traces;

@@ -14,6 +14,7 @@ namespace crossgait {
 using RobotInstances = std::vector<std::unique_ptr<RobotInstance>>;
 
 /// Keeps a moment ten times a second and a sample fifty times, of every instance; of the last minute alone.
+/// Moments are allocated; samples take the places of those that are too old.
 class SessionHistory {
  public:
   /// @param control_dt  s
@@ -23,7 +24,7 @@ class SessionHistory {
   void forget() noexcept;
   /// Takes note of a control step.
   void add(const RobotInstances& instances);
-  /// How far back it goes, s.
+  /// Returns how far back it goes, s.
   double seconds() const noexcept;
   /// Puts the instances where they were that long ago, to the moment before, and forgets what came after.
   /// @param seconds  0 to `seconds()`
@@ -37,14 +38,20 @@ class SessionHistory {
     std::vector<std::unique_ptr<RobotInstance::Saved>> saved;
   };
   struct Samples {
-    std::int64_t step;
-    std::vector<TraceSample> of;  ///< every instance
+    std::int64_t step = 0;
+    std::vector<TraceSample> of;  ///< by instance
   };
+  /// Returns the k-th samples since the beginning.
+  Samples& samples(std::int64_t k) { return samples_[static_cast<std::size_t>(k) % samples_.size()]; }
+  const Samples& samples(std::int64_t k) const {
+    return samples_[static_cast<std::size_t>(k) % samples_.size()];
+  }
 
   double control_dt_;
   std::int64_t moment_steps_, sample_steps_, steps_ = 0;
   std::deque<Moment> moments_;
-  std::deque<Samples> samples_;
+  std::vector<Samples> samples_;       ///< a ring; empty until there is one
+  std::int64_t first_ = 0, next_ = 0;  ///< samples that are there
 };
 
 }  // namespace crossgait

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "physics/core/across_axis.h"
 #include "physics/robot/followed_joint.h"
 #include "physics/robot/robot_check.h"
 
@@ -123,15 +124,16 @@ double RobotDescription::total_mass() const {
 }
 
 int leg_of_shape(const RobotDescription& robot, int body, int shape) noexcept {
-  constexpr double kFootPart = 0.3;
+  constexpr double kAsFar = 0.85;
   if (!robot.legs) return -1;
-  const CollisionShape& s =
-      robot.bodies[static_cast<std::size_t>(body)].shapes[static_cast<std::size_t>(shape)];
+  const Body& of = robot.bodies[static_cast<std::size_t>(body)];
+  const CollisionShape& s = of.shapes[static_cast<std::size_t>(shape)];
+  const Vector3& p = s.X_BG.translation();
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
-    if (model.foot_body == body && s.type == ShapeType::kSphere &&
-        (s.X_BG.translation() - model.p_BF).norm() <= kFootPart * model.p_BF.norm() + 1e-9)
-      return static_cast<int>(leg);
+    if (model.foot_body != body || s.type != ShapeType::kSphere) continue;
+    const auto away = [&of](const Vector3& v) { return across(v, of.joint.axis).norm(); };
+    if (p.isApprox(model.p_BF, 1e-9) || away(p) >= kAsFar * away(model.p_BF)) return static_cast<int>(leg);
   }
   return -1;
 }

@@ -244,8 +244,8 @@ struct RobotDescription {
   void validate() const;
 };
 
-/// Returns the index of the leg of whose foot the shape `shape` of body `body` is, or -1: spheres that are no
-/// farther from the foot's centre than 0.3 of its way from the body's joint.
+/// Returns the index of the leg of whose foot the shape `shape` of body `body` is, or -1: the sphere at the
+/// foot's centre, and others that are at least 0.85 as far as it is from the axis of the body's joint.
 int leg_of_shape(const RobotDescription& robot, int body, int shape) noexcept;
 
 /// Reads `robot.yaml` (which names its URDF, MJCF or SDF), or a bare file of these (robot_formats.h) with,

@@ -29,7 +29,11 @@ void set_limits(double lower, double upper, std::string_view element, Joint& joi
         fmt::format("took limits beyond +-2 pi rad{} for +-pi in ", are_degrees ? ", likely degrees," : ""),
         " joint(s)", element);
   }
-  if (joint.lower >= joint.upper) {
+  if (joint.lower >= joint.upper && (low || high)) {
+    joint.lower = unlimited.lower;
+    joint.upper = unlimited.upper;
+    joint.limited = false;
+  } else if (joint.lower >= joint.upper) {
     joint.lower = unlimited.lower;
     joint.upper = unlimited.upper;
     joint.limited = false;

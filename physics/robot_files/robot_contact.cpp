@@ -36,23 +36,35 @@ ContactSettings settings_of(const ContactNumbers& numbers, bool has_defaults, co
   return settings;
 }
 
+/// Whether they are the same contact: friction of which condim makes nothing does not count.
 bool is_alike(const ContactNumbers& a, const ContactNumbers& b) {
-  return a.friction == b.friction && a.solref == b.solref && a.solimp == b.solimp && a.condim == b.condim &&
+  const int counts = a.condim > 4 ? 3 : a.condim > 3 ? 2 : 1;
+  return std::equal(a.friction.begin(), a.friction.begin() + counts, b.friction.begin()) &&
+         a.solref == b.solref && a.solimp == b.solimp && a.condim == b.condim &&
          a.max_depenetration_velocity == b.max_depenetration_velocity;
+}
+
+/// Those of a foot's own shapes that the file says.
+std::vector<const ContactNumbers*> contacts_of_foot(const RobotDescription& robot, const RobotReport& report,
+                                                    Leg leg) {
+  const auto& shapes = report.contact.shapes;
+  const LegModel& model = (*robot.legs)[leg];
+  const Body& body = robot.bodies[static_cast<std::size_t>(model.foot_body)];
+  std::vector<const ContactNumbers*> own;
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    const auto found = shapes.find(body.shapes[i].name);
+    if (found != shapes.end() &&
+        leg_of_shape(robot, model.foot_body, static_cast<int>(i)) == static_cast<int>(leg))
+      own.push_back(&found->second);
+  }
+  return own;
 }
 
 }  // namespace
 
 const ContactNumbers* contact_of_foot(const RobotDescription& robot, const RobotReport& report, Leg leg) {
   const auto& shapes = report.contact.shapes;
-  const LegModel& model = (*robot.legs)[leg];
-  const Body& body = robot.bodies[static_cast<std::size_t>(model.foot_body)];
-  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
-    const auto found = shapes.find(body.shapes[i].name);
-    if (found != shapes.end() &&
-        leg_of_shape(robot, model.foot_body, static_cast<int>(i)) == static_cast<int>(leg))
-      return &found->second;
-  }
+  if (const auto own = contacts_of_foot(robot, report, leg); !own.empty()) return own.front();
   const auto made = report.feet_of_file.find(leg);
   const auto found = made == report.feet_of_file.end() ? shapes.end() : shapes.find(made->second);
   return found == shapes.end() ? nullptr : &found->second;
@@ -66,11 +78,14 @@ ContactSettings contact_of_feet(const RobotDescription& robot, RobotReport& repo
   if (file.cone == "elliptic") settings.set("cone", *file.cone, report.file, "option, cone");
   if (!robot.legs) return settings;
   const ContactNumbers* first = nullptr;
-  std::vector<std::string> apart;
+  std::vector<std::string> apart, unlike_toes;
   for (const Leg leg : kLegs) {
     const ContactNumbers* numbers = contact_of_foot(robot, report, leg);
     if (numbers == nullptr) continue;
     if (numbers->not_simulated.contains("contype")) apart.emplace_back(name(leg));
+    for (const ContactNumbers* toe : contacts_of_foot(robot, report, leg)) {
+      if (!is_alike(*numbers, *toe)) unlike_toes.emplace_back(name(leg));
+    }
     if (first == nullptr) {
       first = numbers;
       settings.add(settings_of(*numbers, file.has_mujoco_defaults, report.file, leg));
@@ -81,6 +96,10 @@ ContactSettings contact_of_feet(const RobotDescription& robot, RobotReport& repo
           name(leg), numbers->friction[0], numbers->condim, first->friction[0], first->condim));
     }
   }
+  if (!unlike_toes.empty())
+    report.warnings.push_back(fmt::format(
+        "shapes of feet {} are not alike in contact: a world has one, and that of their first is used",
+        fmt::join(unlike_toes, ", ")));
   if (!apart.empty())
     report.warnings.push_back(
         fmt::format("feet {} do not touch {} in the file, by contype and conaffinity; here they do",

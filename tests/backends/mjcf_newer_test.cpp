@@ -89,15 +89,18 @@ TEST_F(MjcfNewer, SitesThatAreConnectedAreALoopOfTheirBodies) {
   EXPECT_EQ(refusal(mjcf).expected(), "a site of this file in site2");
 }
 
-TEST_F(MjcfNewer, LoopsAreAsSoftAsTheFirstOfThemIs) {
+TEST_F(MjcfNewer, LoopsAreAsSoftAsTheFirstOfThemThatSaysIt) {
   MadeMjcf mjcf;
-  mjcf.sections = R"(<equality><connect body1="FL_shin" body2="FR_shin" anchor="0 0 0" solref=".01 1"/>
+  mjcf.sections = R"(<equality><connect body1="trunk" body2="FR_shin" anchor="0 0 0"/>
+                     <connect body1="FL_shin" body2="FR_shin" anchor="0 0 0" solref=".01 1"/>
                      <connect body1="RL_shin" body2="RR_shin" anchor="0 0 0" solref=".03 1"/></equality>)";
   const ParsedRobot robot = tree(mjcf);
   ASSERT_TRUE(robot.loop_softness);
   EXPECT_EQ(robot.loop_softness->time_constant, 0.01);
   EXPECT_EQ(robot.loop_softness->impedance_max, Softness().impedance_max);
-  EXPECT_TRUE(warns(robot.warnings, "did not keep that of 1 <connect>"));
+  EXPECT_TRUE(warns(robot.warnings,
+                    "that says one (0.01 1, 0.9 0.95 0.001), in the place of another (none said) of 1"));
+  EXPECT_TRUE(warns(robot.warnings, "in the place of another (0.03 1, 0.9 0.95 0.001) of 1 <connect>"));
 }
 
 TEST_F(MjcfNewer, WhatNothingSimulatesIsSaid) {
@@ -120,6 +123,22 @@ TEST_F(MjcfNewer, FeetThatDoNotTouchTheFilesGroundAreSaid) {
   EXPECT_TRUE(warns(load(mjcf).report.warnings, "feet FL do not touch the file's geom 'floor' in the file"));
   mjcf.defaults = R"(<default class="apart"><geom contype="2" conaffinity="5"/></default>)";
   EXPECT_FALSE(warns(load(mjcf).report.warnings, "do not touch"));
+}
+
+TEST_F(MjcfNewer, TheGroundMayBeABoxOrStandInABody) {
+  const auto friction = [&](const std::string& world) {
+    MadeMjcf mjcf;
+    mjcf.world = world;
+    return tree(mjcf).contact.shapes.at("FL_foot").friction[0];
+  };
+  EXPECT_EQ(friction(R"(<body name="floor"><geom type="plane" size="5 5 .1" friction="1.7"/></body>)"), 1.7);
+  EXPECT_EQ(friction(R"(<geom type="box" size="5 5 .1" friction="1.6"/>)"), 1.6);
+  EXPECT_EQ(
+      friction(
+          R"(<geom type="box" size="1 1 .1" friction="1.6"/><geom type="plane" size="5 5 .1" friction="1.5"/>)"),
+      1.5);
+  EXPECT_EQ(friction(R"(<body name="ball" pos="3 0 1"><freejoint/><geom size=".1" friction="1.4"/></body>)"),
+            1);
 }
 
 TEST_F(MjcfNewer, APyramidalConeIsNoneOfARobots) {
@@ -150,6 +169,10 @@ TEST_F(MjcfNewer, ToesAreAllOfAFoot) {
   EXPECT_EQ(robot.bodies[static_cast<std::size_t>(leg.foot_body)].shapes.size(), 2U);
   for (const int shape : {0, 1})
     EXPECT_EQ(leg_of_shape(robot, leg.foot_body, shape), static_cast<int>(Leg::FL));
+  // However far apart, and whichever comes first.
+  mjcf.shin =
+      R"(<geom pos=".08 0 -.2" size=".02"/><geom pos="0 .08 -.2" size=".02"/><geom pos=".08 .08 -.2" size=".02"/>)";
+  EXPECT_LT(((*load(mjcf).robot.legs)[Leg::FL].p_BF - Vector3(0.04, 0.04, -0.2)).norm(), 1e-12);
   // A ball by the knee is none of it.
   mjcf.shin = R"(<geom name="knee" pos="0 0 -.1" size=".02"/>)";
   const RobotDescription other = load(mjcf).robot;

@@ -343,6 +343,17 @@ TEST_F(MjcfServos, WithGainsOfTheFileNothingIsMadeUpOfInertia) {
   EXPECT_GT(load(mjcf).robot.joint(leg.joint("knee")).armature, 0);
 }
 
+// A small motor beside a servo limits itself alone.
+TEST_F(MjcfServos, AServoWithoutALimitHasNoneBesideAMotorThatHasOne) {
+  EXPECT_EQ(hip(R"(<position joint="FL_hip" kp="60"/><motor joint="FL_hip" ctrlrange="-5 5"/>)").effort_limit,
+            0);
+  EXPECT_EQ(
+      hip(R"(<position joint="FL_hip" kp="60" forcerange="-20 20"/><motor joint="FL_hip"/>)").effort_limit,
+      20);
+  (void)hip(R"(<position joint="FL_hip" kp="60" gear="2"/>)");
+  EXPECT_TRUE(warned("takes targets for angles, which are 0.5 times the controls"));
+}
+
 TEST_F(MjcfServos, ADamperWithoutASpringIsSaid) {
   MadeMjcf mjcf;
   for (const Leg leg : kLegs)

@@ -20,6 +20,7 @@ constexpr double kRoundness = 0.12;    // of a sphere's radius: largest RMS dist
 constexpr double kLargestFoot = 0.2;   // of the way from the knee: a larger sphere is no foot
 constexpr double kSmallFoot = 0.05;    // likewise, radius of a foot whose shape says nothing
 constexpr double kFarHalf = 0.5;       // likewise: a round nearer than that is the knee's, and no foot
+constexpr double kSole = 0.1;          // of the way from the knee: how unlike the ends of a sole are
 constexpr double kAcrossTheLeg = 0.9;  // cosine: a cylinder about the knee's axis
 
 struct Ball {
@@ -49,16 +50,24 @@ std::optional<Ball> fit_ball(const std::vector<Vector3>& points) {
   return rms < kRoundness * ball.radius ? std::optional(ball) : std::nullopt;
 }
 
+/// The end that is farther from the knee; of a sole, whose ends are as far, its middle.
+Vector3 foot_of_capsule(const CollisionShape& capsule, const Vector3& axis) {
+  const auto [one, other] = ends_of(capsule);
+  const double far_one = across(one, axis).norm(), far_other = across(other, axis).norm();
+  if (std::abs(far_one - far_other) < kSole * std::max(far_one, far_other)) return capsule.X_BG.translation();
+  return far_one > far_other ? one : other;
+}
+
 /// Moves a foot that is one of several like spheres, as far from the knee, to their middle.
 void put_between_toes(const Body& body, FootPlace& foot) {
-  constexpr double kAlike = 0.05, kApart = 0.3;  // of the way from the knee, and of radii
-  const double reach = foot.p_BF.norm(), far = across(foot.p_BF, body.joint.axis).norm();
+  constexpr double kAlike = 0.05, kAsFar = 0.15;  // of radii, and of the way from the knee
+  const double far = across(foot.p_BF, body.joint.axis).norm();
   Vector3 sum = Vector3::Zero();
   int toes = 0;
   for (const CollisionShape& shape : body.shapes) {
     const Vector3& p = shape.X_BG.translation();
     if (shape.type != ShapeType::kSphere || std::abs(shape.size[0] - foot.radius) > kAlike * foot.radius ||
-        far - across(p, body.joint.axis).norm() > kAlike * far || (p - foot.p_BF).norm() > kApart * reach)
+        far - across(p, body.joint.axis).norm() > kAsFar * far)
       continue;
     sum += p;
     ++toes;
@@ -139,10 +148,8 @@ std::optional<FootPlace> find_foot(const ParsedRobot& robot, const Body& body) {
       continue;
     }
     const bool is_mesh = robot.mesh_vertices.contains(shape.name);
-    if (shape.type == ShapeType::kCapsule && !is_mesh) {
-      for (const Vector3& end : ends_of(shape))
-        take_if_farther(end, shape.size[0], -1, round_end, farthest_end);
-    }
+    if (shape.type == ShapeType::kCapsule && !is_mesh)
+      take_if_farther(foot_of_capsule(shape, body.joint.axis), shape.size[0], -1, round_end, farthest_end);
     if (shape.type == ShapeType::kCylinder && !is_mesh &&
         std::abs(shape.X_BG.linear().col(2).dot(body.joint.axis)) > kAcrossTheLeg)
       take_if_farther(shape.X_BG.translation(), shape.size[0], -1, round_end, farthest_end);
@@ -157,7 +164,9 @@ std::optional<FootPlace> find_foot(const ParsedRobot& robot, const Body& body) {
   }
   if (farthest_end > kFarHalf * reach) {
     round_end.reason =
-        "no sphere: the end of the capsule, or the round that lies across, farthest from the knee";
+        "no sphere: of the capsule or the round that lies across farthest from the knee the end, or the "
+        "middle of "
+        "a sole";
     return round_end;
   }
   if (points.empty() || !(reach > 0)) return std::nullopt;

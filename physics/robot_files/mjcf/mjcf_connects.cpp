@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -31,6 +32,7 @@ class ConnectReader {
         if (e.tag == "connect") read(e);
       }
     }
+    choose_softness();
     return std::move(found_);
   }
 
@@ -52,7 +54,7 @@ class ConnectReader {
   }
 
   void read(MjcfElement& e) {
-    read_softness(e);
+    said_.emplace_back(softness_of_equality(e, defaults_), mjcf_place(e, document_.path()));
     if (!e.has("site1") && !e.has("site2")) return;
     const Site &a = site(e, "site1"), &b = site(e, "site2");
     if (e.attribute("name").empty()) e.set("name", fmt::format("connect_of_sites_{}", found_.ends.size()));
@@ -76,14 +78,25 @@ class ConnectReader {
     return std::string(body.attribute("name"));
   }
 
-  void read_softness(const MjcfElement& e) {
-    const std::optional<Softness> softness = softness_of_equality(e, defaults_);
-    const auto time = [](const std::optional<Softness>& s) { return s ? s->time_constant : 0; };
-    if (!is_first_ && time(softness) != time(found_.softness))
-      warnings_.count("gave all loops the softness of the first <connect>, and did not keep that of ",
-                      " <connect>", mjcf_place(e, document_.path()));
-    if (is_first_) found_.softness = softness;
-    is_first_ = false;
+  /// Warns of those that are not as soft as all are then.
+  void choose_softness() {
+    for (const auto& [softness, place] : said_) {
+      if (!found_.softness) found_.softness = softness;
+    }
+    for (const auto& [softness, place] : said_) {
+      if (text_of(softness) != text_of(found_.softness))
+        warnings_.count(
+            fmt::format("gave all loops the softness of the first <connect> that says one ({}), in the place "
+                        "of another ({}) of ",
+                        text_of(found_.softness), text_of(softness)),
+            " <connect>", place);
+    }
+  }
+
+  static std::string text_of(const std::optional<Softness>& s) {
+    return s ? fmt::format("{:g} {:g}, {:g} {:g} {:g}", s->time_constant, s->damping_ratio, s->impedance_min,
+                           s->impedance_max, s->impedance_width)
+             : "none said";
   }
 
   MjcfDocument& document_;
@@ -91,7 +104,7 @@ class ConnectReader {
   ReaderWarnings& warnings_;
   std::map<std::string, Site> sites_;
   MjcfConnects found_;
-  bool is_first_ = true;
+  std::vector<std::pair<std::optional<Softness>, std::string>> said_;  ///< and where
 };
 
 }  // namespace

@@ -28,6 +28,13 @@ bool collides(const MjcfDefaults& defaults, const MjcfElement& geom, const std::
   return is_set(defaults, geom, class_name, "contype") || is_set(defaults, geom, class_name, "conaffinity");
 }
 
+/// Whether a body, or one below it, has a joint.
+bool moves(const MjcfElement& body) {
+  return std::ranges::any_of(body.children, [](const MjcfElement& child) {
+    return child.tag == "joint" || child.tag == "freejoint" || (child.tag == "body" && moves(child));
+  });
+}
+
 void override_numbers(const MjcfElement& says, std::string_view prefix, ContactNumbers& numbers) {
   const auto name = [&](const char* attribute) { return std::string(prefix) + attribute; };
   const auto take = [&](const char* attribute, const auto& copy) {
@@ -57,24 +64,33 @@ void override_numbers(const MjcfElement& says, std::string_view prefix, ContactN
 MjcfContact::MjcfContact(const MjcfElement& root, const MjcfDefaults& defaults) : defaults_(defaults) {
   options_.has_mujoco_defaults = true;
   options_.ground = "MuJoCo's defaults, for the file has no ground";
-  bool found = false;
   for (const MjcfElement& section : root.children) {
     if (section.tag == "option") read_option(section);
     if (section.tag == "contact") {
       std::copy_if(section.children.begin(), section.children.end(), std::back_inserter(pairs_),
                    [](const MjcfElement& e) { return e.tag == "pair"; });
     }
-    if (section.tag != "worldbody") continue;
-    for (const MjcfElement& geom : section.children) {
-      if (found || geom.tag != "geom") continue;
-      const std::string class_name(geom.attribute("class"));
-      const MjcfElement* type = defaults.find(geom, class_name, "type");
-      const std::string_view shape = type == nullptr ? "" : type->attribute("type");
-      if ((shape != "plane" && shape != "hfield") || !collides(defaults, geom, class_name)) continue;
-      ground_ = read_geom(geom, class_name);
-      options_.ground = fmt::format("the file's {}", mjcf_label(geom));
-      found = true;
+    if (section.tag == "worldbody") {
+      Ground ground;
+      find_ground(section, "", ground);
+      if (ground.geom == nullptr) continue;
+      ground_ = read_geom(*ground.geom, ground.class_name);
+      options_.ground = fmt::format("the file's {}", mjcf_label(*ground.geom));
     }
+  }
+}
+
+void MjcfContact::find_ground(const MjcfElement& body, const std::string& class_name, Ground& ground) const {
+  const std::string_view own = body.attribute("childclass");
+  const std::string here = own.empty() ? class_name : std::string(own);
+  for (const MjcfElement& child : body.children) {
+    if (child.tag == "body" && !moves(child)) find_ground(child, here, ground);
+    const std::string of_class = child.has("class") ? std::string(child.attribute("class")) : here;
+    if (child.tag != "geom" || ground.is_plane || !collides(defaults_, child, of_class)) continue;
+    const MjcfElement* type = defaults_.find(child, of_class, "type");
+    const std::string_view shape = type == nullptr ? "" : type->attribute("type");
+    const bool is_plane = shape == "plane" || shape == "hfield";
+    if (ground.geom == nullptr || is_plane) ground = {&child, of_class, is_plane};
   }
 }
 

@@ -13,9 +13,9 @@ namespace crossgait {
 /// Reads how geoms touch. No compiler is asked: the ground is none of the robot's, and is not compiled.
 class MjcfContact {
  public:
-  /// Reads `<option>`, the ground (the first plane or height field of the world that collides) and `<pair>`s,
-  /// of a document that has them all. @param defaults  are asked later, too @throws ConfigError naming the
-  /// element
+  /// Reads `<option>`, the ground (the first plane or height field that collides of what is fixed to the
+  /// world, else the first other geom) and `<pair>`s, of a document that has them all. @param defaults  are
+  /// asked later, too @throws ConfigError naming the element
   MjcfContact(const MjcfElement& root, const MjcfDefaults& defaults);
 
   /// Reads every geom of the bodies that collides, each with the ground by MuJoCo's rule: the geom of higher
@@ -33,6 +33,14 @@ class MjcfContact {
     /// Tells whether contype of one has a bit of conaffinity of the other.
     bool may_touch(const Geom& other) const;
   };
+  struct Ground {
+    const MjcfElement* geom = nullptr;
+    std::string class_name;
+    bool is_plane = false;
+  };
+  /// Finds the first plane or height field that collides of the world, or of bodies that are fixed to it;
+  /// else the first other geom.
+  void find_ground(const MjcfElement& body, const std::string& class_name, Ground& ground) const;
   void read_option(const MjcfElement& option);
   Geom read_geom(const MjcfElement& e, const std::string& class_name) const;
   static ContactNumbers combine(const Geom& a, const Geom& b);

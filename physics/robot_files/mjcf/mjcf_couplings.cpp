@@ -162,6 +162,7 @@ class CouplingReader {
     const auto tendon = tendons_.find(std::string(e.attribute("tendon")));
     if (e.has("tendon") && tendon != tendons_.end() && tendon->second.size() == 1) {
       drive_joint(e, tendon->second.front(), defaults_);
+      taken_.insert(tendon->first);
     } else if (e.has("tendon")) {
       couple(e, "tendon", "is driven by");
       pulled_.emplace(e.attribute("tendon"));
@@ -200,7 +201,7 @@ class CouplingReader {
   const MjcfDefaults& defaults_;
   const Tendons tendons_;
   std::set<std::string> driven_, pulled_;  ///< joints and tendons with an actuator
-  std::set<std::string> taken_;            ///< tendons that became couplings
+  std::set<std::string> taken_;            ///< tendons that became couplings or gears
   MjcfCouplings found_;
 };
 

@@ -124,10 +124,12 @@ class Driver {
       warnings_.count(fmt::format("took {:g} for 0 as the constant force (biasprm[0]) of ", a.bias[0]),
                       " actuator(s)", a.place);
     if (!a.is_position()) return;
-    if (std::abs(a.gain + a.bias[1]) > 1e-9 * std::abs(a.gain))
+    const double per_control = a.gear == 0 ? 1 : a.gain / -a.bias[1] / a.gear;
+    if (std::abs(per_control - 1) > 1e-9)
       warnings_.count(
-          fmt::format("takes targets for angles, which are {:.4g} times the controls (gain over kp) of ",
-                      a.gain / -a.bias[1]),
+          fmt::format(
+              "takes targets for angles, which are {:.4g} times the controls (gain over kp and gear) of ",
+              per_control),
           " actuator(s)", a.place);
     joint.lag = std::max(joint.lag, a.lag);
     joint.delay = std::max(joint.delay, a.delay);
@@ -155,9 +157,12 @@ class Driver {
     const auto& actuators = actuators_of(joint);
     Bounds sum;
     std::size_t unlimited = 0;
+    bool free_servo = false;
     for (const MjcfActuator* actuator : actuators) {
       Bounds own = torques_of(*actuator);
       if (!own.bounded()) {
+        // What a servo may add without a limit has none; a motor that nothing commands adds nothing.
+        if (actuator->kind == MjcfActuatorKind::kServo) free_servo = true;
         ++unlimited;
         continue;
       }
@@ -168,6 +173,7 @@ class Driver {
       }
       sum.by.insert(sum.by.end(), own.by.begin(), own.by.end());
     }
+    if (free_servo) sum = {};
     if (unlimited > 0 && sum.bounded())
       warnings_.list(
           fmt::format(" joint(s) have limited and unlimited actuators, and keep the limits ({} N m): ",

@@ -238,6 +238,9 @@ class MjcfTree {
     if (source.limited) {
       // MuJoCo's margin is where a limit acts from: the same as a limit there.
       const double margin = source.limit_margin;
+      if (margin != 0)
+        warnings_.count(fmt::format("took limits closer by their margin of {:g} rad in ", margin),
+                        " joint(s)", place);
       set_limits(source.lower + margin, source.upper - margin, place, joint, warnings_);
       joint.limit_softness = softness_of(source.limit_solref, source.limit_solimp);
     }
