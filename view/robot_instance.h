@@ -44,7 +44,10 @@ class RobotInstance {
 
   /// Holds a moment of an instance.
   struct Saved {
+    Saved() = default;
     virtual ~Saved() = default;
+    Saved(const Saved&) = delete;
+    Saved& operator=(const Saved&) = delete;
   };
   /// Saves what the motion depends on, but for what a policy remembers.
   virtual std::unique_ptr<Saved> save() const = 0;

@@ -1,6 +1,7 @@
 // Commands in, motion out: in every engine there is.
 #include "view/session.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/physics/core/config_error.h"
@@ -140,7 +141,7 @@ TEST_P(ViewSessionTest, AChangedWorldGoesOnWhereTheOtherWas) {
   const PhysicsBackend& other = session_->instances().front()->world();
   EXPECT_NEAR(other.robot().total_mass(), mass, 1e-9);
   EXPECT_EQ(other.spec().contact.friction, 0.4);
-  EXPECT_EQ(session_->frame()["changes"], nlohmann::json({"friction=0.4"}));
+  EXPECT_EQ(session_->frame()["changes"], nlohmann::ordered_json({"friction=0.4"}));
   for (const char* changes :
        {R"(["friction=-1"])", R"(["delay=0.01"])", R"(["physics_dt=0.002"])", R"(["wind=3"])"}) {
     EXPECT_THROW(tell(*session_, fmt::format(R"({{"do": "change", "changes": {}}})", changes)), ConfigError)

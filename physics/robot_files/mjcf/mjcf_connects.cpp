@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "physics/core/text.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

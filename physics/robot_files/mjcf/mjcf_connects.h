@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "physics/core/math.h"
+#include "physics/robot/contact_settings.h"
 #include "physics/robot_files/mjcf/mjcf_defaults.h"
 #include "physics/robot_files/mjcf/mjcf_document.h"
 #include "physics/robot_files/reader_warnings.h"
