@@ -103,6 +103,8 @@ std::vector<double> geared_softness(const Subject& subject) {
 
 std::vector<Check> coupling_checks() {
   const Precondition precondition = has_law<&Laws::couplings>("couplings");
+  constexpr double kAngleOverStep =
+      3000;  // roundings of angles up to 1.5 rad, half of one each, in steps of 1 ms
   const std::string rest = "R f = K imp r at rest; the engine's rounding of a small difference";
   return {
       {"coupled_pendulums",
@@ -115,10 +117,11 @@ std::vector<Check> coupling_checks() {
        "A coupling takes from one joint what it gives to the other",
        {with_rounding(at_most(1e-12, "I1 w1 + n I2 w2, drift, relative", "", "forces are equal and opposite"),
                       1000),
-        with_rounding(at_most(1e-6, "speed at which they turn together, off, relative", "",
-                              "a damper's end is exponential"),
-                      1000),
-        with_rounding(at_most(1e-6, "ratio of their speeds, off, relative", "", "likewise"), 1000)},
+        with_rounding(
+            at_most(1e-6, "speed at which they turn together, off, relative", "",
+                    "a damper's end is exponential; what holds angles has their rounding over a step"),
+            kAngleOverStep),
+        with_rounding(at_most(1e-6, "ratio of their speeds, off, relative", "", "likewise"), kAngleOverStep)},
        geared_momentum,
        precondition},
       {"coupling_softness",

@@ -9,7 +9,9 @@ namespace crossgait::physx {
 namespace {
 
 constexpr int kMostTries = 12;
+constexpr int kFewTries = 3;        // after which what is below is enough
 constexpr double kRounding = 1e-6;  // of angles, rad, relative beyond one: eight of float32
+constexpr double kClose = 0.2;      // of that: two roundings, which few tries reach where nothing touches
 
 RobotState at_home(const RobotDescription& robot) {
   RobotState state;
@@ -64,8 +66,9 @@ bool CoupledJoints::settle(const JointVector& angles) noexcept {
     const JointCoupling& coupling = couplings_[static_cast<std::size_t>(i)];
     gaps[i] = angles[coupling.follower] - coupling.follower_at(angles[coupling.leader]);
   }
+  const double enough = kRounding * std::max(1.0, angles.lpNorm<Eigen::Infinity>());
   if (++tries_ > kMostTries ||
-      gaps.lpNorm<Eigen::Infinity>() <= kRounding * std::max(1.0, angles.lpNorm<Eigen::Infinity>()))
+      gaps.lpNorm<Eigen::Infinity>() <= (tries_ > kFewTries ? enough : kClose * enough))
     return true;
   if (tries_ > 1) learn(torques_ - best_, gaps - gaps_of_best_);
   if (tries_ == 1 || gaps.squaredNorm() < gaps_of_best_.squaredNorm()) {
