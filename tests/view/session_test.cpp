@@ -423,6 +423,29 @@ TEST_P(ViewSessionTest, APolicyWalksWhereItIsTold) {
   EXPECT_LT(std::abs(state_of(*session).p_WB.x()), 5e-3);
 }
 
+TEST_P(ViewSessionTest, APolicyGoesBackAndWalksInAChangedWorld) {
+  const auto session = make_policy_session({GetParam()}, joint_environment(), "zero");
+  session->advance(200);
+  tell(*session, R"({"do": "back", "seconds": 0.2})");
+  const RobotState then = state_of(*session);
+  session->advance(100);
+  const RobotState once = state_of(*session);
+  tell(*session, R"({"do": "back", "seconds": 0.2})");
+  EXPECT_EQ(difference(state_of(*session), then), 0);
+  session->advance(100);
+  EXPECT_EQ(difference(state_of(*session), once), 0);
+  const double mass = session->instances().front()->world().robot().total_mass();
+  tell(*session, R"({"do": "change", "changes": ["mass=x1.5"]})");
+  EXPECT_LT(difference(state_of(*session), once), 1e-12);
+  tell(*session, engines_command({available_engines().front()}));
+  tell(*session, R"({"do": "stand"})");
+  EXPECT_NEAR(session->instances().front()->world().robot().total_mass(), 1.5 * mass, 1e-9)
+      << "as long as it is told";
+  tell(*session, R"({"do": "pull", "to": [0, 0, 1]})");
+  session->advance(100);
+  EXPECT_GT(state_of(*session).p_WB.z(), then.p_WB.z() + 0.01);
+}
+
 TEST_P(ViewSessionTest, APolicyOfJointsHasNoGait) {
   const auto session = make_policy_session({GetParam()}, joint_environment(), "zero");
   session->advance(20);

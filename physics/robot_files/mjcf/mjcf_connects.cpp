@@ -54,7 +54,9 @@ class ConnectReader {
   }
 
   void read(MjcfElement& e) {
-    said_.emplace_back(softness_of_equality(e, defaults_), mjcf_place(e, document_.path()));
+    const MjcfElement* active = equality_saying(defaults_, e, "active");
+    if (active == nullptr || active->attribute("active") != "false")
+      said_.emplace_back(softness_of_equality(e, defaults_), mjcf_place(e, document_.path()));
     if (!e.has("site1") && !e.has("site2")) return;
     const Site &a = site(e, "site1"), &b = site(e, "site2");
     if (e.attribute("name").empty()) e.set("name", fmt::format("connect_of_sites_{}", found_.ends.size()));

@@ -134,9 +134,10 @@ MjcfContact::Geom MjcfContact::read_geom(const MjcfElement& e, const std::string
 }
 
 bool MjcfContact::Geom::may_touch(const Geom& other) const {
-  const auto meets = [](double type, double affinity) {
-    return (static_cast<std::int64_t>(type) & static_cast<std::int64_t>(affinity)) != 0;
+  const auto bits = [](double number) {
+    return static_cast<std::uint32_t>(std::clamp(number, 0.0, 4294967295.0));
   };
+  const auto meets = [&bits](double type, double affinity) { return (bits(type) & bits(affinity)) != 0; };
   return meets(contype, other.conaffinity) || meets(other.contype, conaffinity);
 }
 
