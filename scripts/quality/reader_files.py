@@ -31,16 +31,19 @@ COMMANDS = {
 
 
 def legs_on_bars():
-    """An MJCF whose knees are turned by a crank on the thigh and a rod."""
+    """An MJCF whose knees are turned by a crank on the thigh and a rod; frames, ellipsoids, sites that are connected."""
     legs = loops = ""
     for name, x, y in [("FL", 0.2, 0.1), ("FR", 0.2, -0.1), ("RL", -0.2, 0.1), ("RR", -0.2, -0.1)]:
-        legs += (f"<body name='{name}_thigh' pos='{x} {y} 0'><joint name='{name}_hip'/><geom fromto='0 0 0 0 0 -.2'/>"
-                 f"<body name='{name}_shin' pos='0 0 -.2'><joint name='{name}_knee'/><geom fromto='0 0 0 0 0 -.2'/></body>"
+        legs += (f"<frame pos='{x} {y} 0' euler='0 0 0'><body name='{name}_thigh'><joint name='{name}_hip'/><geom fromto='0 0 0 0 0 -.2'/>"
+                 f"<body name='{name}_shin' pos='0 0 -.2'><joint name='{name}_knee'/><geom fromto='0 0 0 0 0 -.2'/>"
+                 f"<site name='{name}_a' pos='-.03 0 .03'/></body>"
                  f"<body name='{name}_crank' pos='0 0 -.02'><joint name='{name}_crank'/><geom fromto='0 0 0 -.03 0 .03'/>"
-                 f"<body name='{name}_rod' pos='-.03 0 .03'><joint name='{name}_rod'/><geom fromto='0 0 0 0 0 -.18'/></body></body></body>")
-        loops += f"<connect body1='{name}_rod' body2='{name}_shin' anchor='0 0 -.18'/>"
+                 f"<body name='{name}_rod' pos='-.03 0 .03'><joint name='{name}_rod'/><geom fromto='0 0 0 0 0 -.18'/>"
+                 f"<site name='{name}_b' pos='0 0 -.18'/></body></body></body></frame>")
+        loops += (f"<connect site1='{name}_b' site2='{name}_a'/>" if x > 0 else
+                  f"<connect body1='{name}_rod' body2='{name}_shin' anchor='0 0 -.18' solref='.005 1'/>")
     return ("<mujoco><compiler angle='radian'/><default><joint axis='0 1 0' range='-2.4 2.4'/><geom type='capsule' size='.008'/>"
-            "</default><worldbody><body name='trunk'><freejoint/><geom type='box' size='.2 .1 .04'/>"
+            "</default><worldbody><body name='trunk'><freejoint/><geom type='ellipsoid' size='.2 .1 .04'/>"
             f"{legs}</body></worldbody><equality>{loops}</equality></mujoco>")
 
 
