@@ -157,9 +157,12 @@ JointActionTable JointActionTable::make(const JointActionSettings& settings, con
     const double home = settings.home.find(name).value_or(robot.home[servo]);
     const Joint& joint = robot.joint(servo);
     if (!(home >= joint.lower && home <= joint.upper))
-      throw ConfigError(source, fmt::format("joints.home of {}", name),
-                        fmt::format("an angle within its limits, [{:g}, {:g}] rad", joint.lower, joint.upper),
-                        fmt::format("{:g}", home));
+      throw ConfigError(
+          source, fmt::format("joints.home of {}", name),
+          fmt::format("an angle within its limits, [{:g}, {:g}] rad (what actions count from is "
+                      "`offset`)",
+                      joint.lower, joint.upper),
+          fmt::format("{:g}", home));
     check_stiffness(settings, joint, source);
     table.commands.push_back(settings.command_of(name));
     table.servos.push_back(servo);

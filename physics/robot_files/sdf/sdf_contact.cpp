@@ -47,7 +47,14 @@ std::optional<ContactNumbers> read_contact(const SdfElement& collision, const st
     for (const char* name : {"kp", "kd", "soft_erp", "soft_cfm", "min_depth"})
       if (const auto number = size_in(*ode, name)) of_ode.spring[name] = *number;
   }
-  if (contact != nullptr) contact->pass_over_all();
+  if (contact != nullptr) {
+    contact->pass_over("collide_without_contact", {"0", "false"});
+    contact->pass_over("collide_without_contact_bitmask", {"1"});
+    contact->pass_over("collide_bitmask", {"65535", "0xffff", "0xFFFF"});
+    contact->pass_over("category_bitmask", {"65535", "0xffff", "0xFFFF"});
+    contact->pass_over("poissons_ratio", {"0.3"});
+    contact->pass_over("elastic_modulus", {"-1"});
+  }
   if (const SdfElement* ode = friction == nullptr ? nullptr : friction->find("ode")) {
     for (const char* none : {"fdir1", "slip1", "slip2"}) ode->pass_over(none, {"0", "0.0", "0 0 0"});
     of_ode.mu = size_in(*ode, "mu"), of_ode.mu2 = size_in(*ode, "mu2");

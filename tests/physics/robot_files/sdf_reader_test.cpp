@@ -368,7 +368,8 @@ TEST(SdfReader, ReadsShapesAndHowTheyTouch) {
       "<surface><friction><ode><mu>.8</mu><mu2>.5</mu2><fdir1>0 0 "
       "0</fdir1></ode><torsional><coefficient>2</coefficient>"
       "<patch_radius>.01</patch_radius></torsional></friction><contact><ode><kp>1e6</kp><max_vel>.05</"
-      "max_vel></ode></contact></"
+      "max_vel></ode><collide_bitmask>0</collide_bitmask><category_bitmask>65535</category_bitmask>"
+      "<bullet><split_impulse>1</split_impulse></bullet></contact></"
       "surface>";
   const ParsedRobot robot = read_text(two_links(
       collision("a", "<box><size>2 4 6</size></box>", rough) +
@@ -399,6 +400,9 @@ TEST(SdfReader, ReadsShapesAndHowTheyTouch) {
   EXPECT_EQ(*robot.bodies[1].visuals[0].rgba, Eigen::Vector4d(1, 0, 0, 1));
   EXPECT_TRUE(warns(robot, "mu2 is 0.5"));
   EXPECT_TRUE(warns(robot, "left out 1 <kp> of surfaces: a spring of ODE's"));
+  EXPECT_TRUE(warns(robot, "ignored 1 <collide_bitmask> of <contact>"));
+  EXPECT_TRUE(warns(robot, "ignored 1 <bullet> of <contact>"));
+  EXPECT_FALSE(warns(robot, "category_bitmask")) << "it says what is so anyway";
   EXPECT_TRUE(warns(robot, "dropped 1 collision(s) that are no box"));
   EXPECT_TRUE(warns(robot, "dropped 1 <collision> without a shape"));
   EXPECT_TRUE(warns(robot, "dropped 1 <visual> without a shape or with numbers that are none"));
