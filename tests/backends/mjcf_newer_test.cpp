@@ -115,6 +115,18 @@ TEST_F(MjcfNewer, WhatNothingSimulatesIsSaid) {
   EXPECT_TRUE(warns(warnings, "did not simulate 1 attribute(s) actuatorgroupdisable=\"1\" of <option>"));
 }
 
+TEST_F(MjcfNewer, AKeyframeThatMovesIsSaid) {
+  MadeMjcf mjcf;
+  const auto says = [&](const std::string& more) {
+    mjcf.sections = fmt::format(
+        R"(<keyframe><key qpos="0 0 0 1 0 0 0 .8 -1.6 .8 -1.6 .8 -1.6 .8 -1.6" {}/></keyframe>)", more);
+    return warns(tree(mjcf).warnings, "took the angles alone, not ctrl, qvel and act, of 1 <key>");
+  };
+  EXPECT_FALSE(says(""));
+  mjcf.sections = "";
+  EXPECT_TRUE(says(R"(qvel="0 0 0 0 0 0 1 0 0 0 0 0 0 0")"));
+}
+
 TEST_F(MjcfNewer, FeetThatDoNotTouchTheFilesGroundAreSaid) {
   MadeMjcf mjcf;
   mjcf.defaults = R"(<default class="apart"><geom contype="2" conaffinity="4"/></default>)";

@@ -24,6 +24,7 @@ bool is_one_of(std::string_view tag, const std::array<std::string_view, N>& tags
   return std::find(tags.begin(), tags.end(), tag) != tags.end();
 }
 
+constexpr std::size_t kMostKeyNumbers = 10'000;
 constexpr std::array<std::string_view, 4> kOfTheWorld{"option", "size", "visual", "statistic"};
 /// Attributes of <option> and its <flag> that change motion; what else the world's options say is read
 /// elsewhere, or says how to compute.
@@ -213,7 +214,24 @@ class Taker {
     keep(equality, [](const MjcfElement& e) { return e.tag == "connect" && e.has("body1"); });
   }
 
-  static void trim_keys(MjcfElement& keys) {
+  /// Whether a keyframe has speeds or activations, or other controls than the angles behind a free base.
+  static bool moves(const MjcfElement& key) {
+    const auto numbers = [&key](const char* name) {
+      return key.has(name) ? mjcf_numbers(key, name, 0, kMostKeyNumbers) : std::vector<double>();
+    };
+    const auto is_zero = [](double number) { return number == 0; };
+    const std::vector<double> q = numbers("qpos"), control = numbers("ctrl");
+    const bool is_held =
+        control.empty() || std::ranges::all_of(control, is_zero) ||
+        (control.size() <= q.size() && std::equal(control.rbegin(), control.rend(), q.rbegin()));
+    return !is_held || !std::ranges::all_of(numbers("qvel"), is_zero) ||
+           !std::ranges::all_of(numbers("act"), is_zero);
+  }
+
+  void trim_keys(MjcfElement& keys) {
+    for (const MjcfElement& key : keys.children) {
+      if (moves(key)) count("took the angles alone, not ctrl, qvel and act, of ", " <key>", key);
+    }
     for (MjcfElement& key : keys.children)
       std::erase_if(key.attributes, [](const auto& a) { return a.first != "name" && a.first != "qpos"; });
   }
