@@ -13,6 +13,7 @@
 #include "physics/core/error.h"
 #include "physics/core/read_budget.h"
 #include "physics/core/text.h"
+#include "physics/robot_files/mjcf/mjcf_defaults.h"
 
 namespace crossgait {
 namespace {
