@@ -25,11 +25,6 @@ std::variant<GaitControl, JointControl> make_control(const EnvModel& model) {
   return JointControl(model);
 }
 
-WorldSpec changed(WorldSpec world, std::span<const QuantityChange> changes) {
-  for (const QuantityChange& change : changes) change.apply(world);
-  return world;
-}
-
 constexpr std::uint64_t kNoiseStream = 0x6e6f697365;  // "noise": random numbers of the observer
 
 }  // namespace
@@ -321,11 +316,7 @@ void QuadrupedEnv::apply_wrench(const BodyWrench& wrench) {
 
 void QuadrupedEnv::set_changes(std::vector<QuantityChange> changes) {
   require_begun("set_changes");
-  for (const QuantityChange& change : changes) {
-    const std::string& name = change.quantity->name;
-    if (name == "physics_dt" || name == "delay")
-      throw ConfigError(kSource, name, "a value that stays: steps are counted by it", "a change of it");
-  }
+  require_under_way(changes, kSource);
   auto world = engine_.make(changed(base_world_, changes));
   world->restore(world_->save());
   world_ = std::move(world);

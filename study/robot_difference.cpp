@@ -21,10 +21,7 @@ constexpr double kNothing = 1e-9;  // in any unit here: two numbers that are bot
 
 /// A robot at home, with what is measured in it.
 struct AtHome {
-  explicit AtHome(const RobotDescription& description) : robot(description) {
-    RobotState state;
-    state.q = robot.home;
-    forward_kinematics(robot, state, poses);
+  explicit AtHome(const RobotDescription& description) : robot(description), poses(home_poses(robot)) {
     if (!robot.legs) return;
     for (const Leg leg : kLegs)
       middle +=

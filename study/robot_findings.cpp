@@ -266,10 +266,7 @@ class Findings {
   }
 
   void compare_sides() {
-    std::vector<Pose> poses;
-    RobotState home;
-    home.q = robot_.home;
-    forward_kinematics(robot_, home, poses);
+    const std::vector<Pose> poses = home_poses(robot_);
     for (const auto& [left, right] : {std::pair(Leg::FL, Leg::FR), std::pair(Leg::RL, Leg::RR)}) {
       const std::vector<int> a = (*robot_.legs)[left].joints(), b = (*robot_.legs)[right].joints();
       if (a.size() != b.size()) continue;

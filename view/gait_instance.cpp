@@ -36,9 +36,7 @@ std::unique_ptr<RobotInstance> GaitInstance::with_engine(const Engine& engine) c
 
 std::unique_ptr<RobotInstance> GaitInstance::with_changes(const Engine& engine,
                                                           const std::vector<QuantityChange>& changes) const {
-  WorldSpec spec = nominal_;
-  for (const QuantityChange& change : changes) change.apply(spec);
-  return std::unique_ptr<RobotInstance>(new GaitInstance(engine, *this, spec));
+  return std::unique_ptr<RobotInstance>(new GaitInstance(engine, *this, changed(nominal_, changes)));
 }
 
 struct GaitInstance::Moment : Saved {

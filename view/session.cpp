@@ -133,26 +133,24 @@ void ViewSession::choose_engines(const std::vector<std::string>& engines) {
     const RobotInstance& before = *instances_[i < instances_.size() ? i : 0];
     instances.push_back(before.with_engine(provider_.find(engines[i])));
   }
+  replace(std::move(instances));
+  setup_.engines = engines;
+}
+
+void ViewSession::replace(RobotInstances instances) {
   finish_recording();
   history_.forget();
   instances_ = std::move(instances);
-  setup_.engines = engines;
 }
 
 void ViewSession::change_world(const std::vector<std::string>& texts) {
   std::vector<QuantityChange> changes;
-  for (const std::string& text : texts) {
-    changes.push_back(parse_quantity_change(text, kSessionSource));
-    const std::string& name = changes.back().quantity->name;
-    if (name == "physics_dt" || name == "delay")
-      throw ConfigError(kSessionSource, name, "a quantity that may change under way", "one that may not");
-  }
+  for (const std::string& text : texts) changes.push_back(parse_quantity_change(text, kSessionSource));
+  require_under_way(changes, kSessionSource);
   RobotInstances instances;
   for (std::size_t i = 0; i < instances_.size(); ++i)
     instances.push_back(instances_[i]->with_changes(provider_.find(setup_.engines[i]), changes));
-  finish_recording();
-  history_.forget();
-  instances_ = std::move(instances);
+  replace(std::move(instances));
   changes_ = texts;
 }
 
@@ -165,9 +163,7 @@ void ViewSession::change_terrain(const TerrainCommand& command) {
   RobotInstances instances;
   for (std::size_t i = 0; i < instances_.size(); ++i)
     instances.push_back(instances_[i]->with_terrain(provider_.find(setup_.engines[i]), ground));
-  finish_recording();
-  history_.forget();
-  instances_ = std::move(instances);
+  replace(std::move(instances));
   setup_.terrain_seed = command.seed;
   ++scene_revision_;
   if (!changes_.empty()) change_world(changes_);  // a new ground has the world as it was at first

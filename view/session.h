@@ -97,6 +97,8 @@ class ViewSession {
   const WorldSpec& world() const { return instances_.front()->world().spec(); }
   void choose_engines(const std::vector<std::string>& engines);
   void change_terrain(const TerrainCommand& command);
+  /// Goes on with other robots: what was recorded and can be gone back to is of those before.
+  void replace(RobotInstances instances);
   void change_world(const std::vector<std::string>& texts);
   void push(const Vector3& impulse);
   void pull();

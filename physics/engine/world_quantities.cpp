@@ -225,6 +225,19 @@ void QuantityChange::apply(WorldSpec& world) const {
   world.robot = std::move(robot);
 }
 
+WorldSpec changed(WorldSpec world, std::span<const QuantityChange> changes) {
+  for (const QuantityChange& change : changes) change.apply(world);
+  return world;
+}
+
+void require_under_way(std::span<const QuantityChange> changes, std::string_view source) {
+  for (const QuantityChange& change : changes) {
+    const std::string& name = change.quantity->name;
+    if (name == "physics_dt" || name == "delay")
+      throw ConfigError(source, name, "a value that stays: steps are counted by it", "a change of it");
+  }
+}
+
 QuantityChange parse_quantity_change(std::string_view text, std::string_view source) {
   const std::size_t equals = text.find('=');
   if (equals == std::string_view::npos)

@@ -50,6 +50,12 @@ struct QuantityChange {
   void apply(WorldSpec& world) const;
 };
 
+/// Returns the world with these changes, one after the other.
+WorldSpec changed(WorldSpec world, std::span<const QuantityChange> changes);
+/// @throws ConfigError naming `source` for a change that a world cannot take while it goes on: of physics_dt
+/// or delay, by which steps are counted
+void require_under_way(std::span<const QuantityChange> changes, std::string_view source);
+
 /// Reads "friction=0.4", "mass=x1.1", "solref=0.005:1" or "cone=pyramidal".
 /// @throws ConfigError naming `source` and the quantity
 QuantityChange parse_quantity_change(std::string_view text, std::string_view source);

@@ -53,6 +53,14 @@ void forward_kinematics(const RobotDescription& robot, const RobotState& state, 
   }
 }
 
+std::vector<Pose> home_poses(const RobotDescription& robot) {
+  RobotState state;
+  state.q = robot.home;
+  std::vector<Pose> poses;
+  forward_kinematics(robot, state, poses);
+  return poses;
+}
+
 void forward_velocities(const RobotDescription& robot, const RobotState& state,
                         const std::vector<Pose>& poses, std::vector<BodyVelocity>& velocities) {
   velocities.resize(robot.bodies.size());

@@ -13,6 +13,9 @@ namespace crossgait {
 /// has that size).
 void forward_kinematics(const RobotDescription& robot, const RobotState& state, std::vector<Pose>& poses);
 
+/// Computes them in the home pose, the base's frame that of the world.
+std::vector<Pose> home_poses(const RobotDescription& robot);
+
 /// Holds the velocity of a body in W: of its origin (m/s), and angular (rad/s).
 struct BodyVelocity {
   Vector3 v = Vector3::Zero(), w = Vector3::Zero();

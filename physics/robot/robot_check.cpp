@@ -334,10 +334,7 @@ void check_home(const RobotDescription& robot) {
                    fmt::format("joint '{}' in {}..{} rad", joint.name, joint.lower, joint.upper),
                    fmt::format("{}", angle));
   }
-  RobotState state;
-  state.q = robot.home;
-  std::vector<Pose> poses;
-  forward_kinematics(robot, state, poses);
+  const std::vector<Pose> poses = home_poses(robot);
   const double gap = max_loop_gap(robot, poses);
   report.require(gap < kLoopTolerance, fmt::format("loops closed to {} m", kLoopTolerance),
                  fmt::format("a gap of {} m", gap));

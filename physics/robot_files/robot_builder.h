@@ -100,7 +100,6 @@ class RobotBuilder {
   void follow_servos_of_home(const YamlValue& values, Leg leg);
   /// Reads angles per role, for every leg or each; passive joints' are refined until the loops are closed.
   void read_home(const YamlValue& home);
-  std::vector<Pose> home_poses() const;
   void set_home_height();
   /// Returns the mean depth of the feet below the joints that swing them: hips, or the left shoulders.
   double home_depth() const;

@@ -156,16 +156,8 @@ void RobotBuilder::read_home(const YamlValue& home) {
   if (!close_home()) home.fail(kClosedHome, kOpen);
 }
 
-std::vector<Pose> RobotBuilder::home_poses() const {
-  RobotState state;
-  state.q = robot_.home;
-  std::vector<Pose> poses;
-  forward_kinematics(robot_, state, poses);
-  return poses;
-}
-
 void RobotBuilder::set_home_height() {
-  const std::vector<Pose> poses = home_poses();
+  const std::vector<Pose> poses = home_poses(robot_);
   double lowest = std::numeric_limits<double>::infinity();
   for (const Leg leg : kLegs) {
     const double sole = foot_position(robot_, leg, poses).z() - (*robot_.legs)[leg].foot_radius;
@@ -175,7 +167,7 @@ void RobotBuilder::set_home_height() {
 }
 
 double RobotBuilder::home_depth() const {
-  const std::vector<Pose> poses = home_poses();
+  const std::vector<Pose> poses = home_poses(robot_);
   double depth = 0;
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot_.legs)[leg];

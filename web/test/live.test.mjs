@@ -42,6 +42,17 @@ async function openLive(options) {
 /** Of the robot in the picture, m. */
 const shownBase = (page, robot = 0) =>
   page.evaluate((i) => window.crossgait.view.robots[i].bodies[0].position.toArray(), robot);
+/** Of the robot's base on the screen, px. */
+const placeOfBase = (page) =>
+  page.evaluate(() => {
+    const { view } = window.crossgait;
+    view.viewpoint.camera.updateMatrixWorld();
+    const at = view.robots[0].bodies[0]
+      .getWorldPosition(view.viewpoint.camera.position.clone())
+      .project(view.viewpoint.camera);
+    const box = view.canvas.getBoundingClientRect();
+    return [box.left + ((at.x + 1) / 2) * box.width, box.top + ((1 - at.y) / 2) * box.height];
+  });
 const command = (body) =>
   fetch(`${address}command`, {
     method: "POST",
@@ -165,15 +176,7 @@ test("sliders set parameters, and pulling at the robot pushes it", async () => {
   await page.waitForFunction(() => window.crossgait.frame.curve === "matched");
   const posts = [];
   page.on("request", (request) => request.method() === "POST" && posts.push(request.postDataJSON()));
-  const place = await page.evaluate(() => {
-    const { view } = window.crossgait;
-    view.viewpoint.camera.updateMatrixWorld();
-    const at = view.robots[0].bodies[0]
-      .getWorldPosition(view.viewpoint.camera.position.clone())
-      .project(view.viewpoint.camera);
-    const box = view.canvas.getBoundingClientRect();
-    return [box.left + ((at.x + 1) / 2) * box.width, box.top + ((1 - at.y) / 2) * box.height];
-  });
+  const place = await placeOfBase(page);
   await page.mouse.move(...place);
   await page.mouse.down();
   await page.mouse.move(place[0] + 60, place[1], { steps: 4 });
@@ -245,15 +248,7 @@ test("a spring holds the robot while the pointer does", async () => {
   await page.evaluate(() => document.activeElement.blur());
   await page.keyboard.press("u");
   await page.getByText("spring", { exact: true }).click();
-  const [x, y] = await page.evaluate(() => {
-    const { view } = window.crossgait;
-    view.viewpoint.camera.updateMatrixWorld();
-    const at = view.robots[0].bodies[0]
-      .getWorldPosition(view.viewpoint.camera.position.clone())
-      .project(view.viewpoint.camera);
-    const box = view.canvas.getBoundingClientRect();
-    return [box.left + ((at.x + 1) / 2) * box.width, box.top + ((1 - at.y) / 2) * box.height];
-  });
+  const [x, y] = await placeOfBase(page);
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x, y - 120, { steps: 4 });

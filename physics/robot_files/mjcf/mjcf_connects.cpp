@@ -38,14 +38,12 @@ class ConnectReader {
 
  private:
   void find_sites(MjcfElement& body, const std::string& class_name) {
-    const std::string_view own = body.attribute("childclass");
-    const std::string here = own.empty() ? class_name : std::string(own);
+    const std::string here = class_inside(body, class_name);
     for (MjcfElement& child : body.children) {
       if (child.tag == "body") find_sites(child, here);
       if (child.tag != "site" || !child.has("name")) continue;
       Site site{&body};
-      const std::string of_class = child.has("class") ? std::string(child.attribute("class")) : here;
-      if (const MjcfElement* says = defaults_.find(child, of_class, "pos")) {
+      if (const MjcfElement* says = defaults_.find(child, class_of(child, here), "pos")) {
         const std::vector<double> p = mjcf_numbers(*says, "pos", 3, 3);
         site.p_BS = {p[0], p[1], p[2]};
       }

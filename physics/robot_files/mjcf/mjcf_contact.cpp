@@ -81,11 +81,10 @@ MjcfContact::MjcfContact(const MjcfElement& root, const MjcfDefaults& defaults) 
 }
 
 void MjcfContact::find_ground(const MjcfElement& body, const std::string& class_name, Ground& ground) const {
-  const std::string_view own = body.attribute("childclass");
-  const std::string here = own.empty() ? class_name : std::string(own);
+  const std::string here = class_inside(body, class_name);
   for (const MjcfElement& child : body.children) {
     if (child.tag == "body" && !moves(child)) find_ground(child, here, ground);
-    const std::string of_class = child.has("class") ? std::string(child.attribute("class")) : here;
+    const std::string of_class = class_of(child, here);
     if (child.tag != "geom" || ground.is_plane || !collides(defaults_, child, of_class)) continue;
     const MjcfElement* type = defaults_.find(child, of_class, "type");
     const std::string_view shape = type == nullptr ? "" : type->attribute("type");

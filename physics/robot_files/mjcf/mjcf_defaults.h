@@ -49,18 +49,26 @@ class MjcfDefaults {
   std::map<std::string, Class, std::less<>> classes_;  ///< the main one by the name ""
 };
 
+/// Returns the class of what stands in a body, or frame, and has none of its own. @param outer  of the body
+inline std::string class_inside(const MjcfElement& body, const std::string& outer) {
+  return body.attribute("childclass").empty() ? outer : std::string(body.attribute("childclass"));
+}
+/// Returns an element's class. @param inside  of its body
+inline std::string class_of(const MjcfElement& element, const std::string& inside) {
+  return element.has("class") ? std::string(element.attribute("class")) : inside;
+}
+
 /// Calls the function for every joint and geom of a body and of those below it, with its class: its own, or
 /// that of the nearest body around it that has a childclass. Frames are written out before (mjcf_frames.h).
 /// @param class_name  of what has none
 template <typename Element, typename Function>
 void for_each_with_class(Element& body, const std::string& class_name, const Function& function) {
-  const std::string_view of_children = body.attribute("childclass");
-  const std::string here = of_children.empty() ? class_name : std::string(of_children);
+  const std::string here = class_inside(body, class_name);
   for (auto& child : body.children) {
     if (child.tag == "body") {
       for_each_with_class(child, here, function);
     } else if (child.tag == "joint" || child.tag == "geom") {
-      function(child, child.has("class") ? std::string(child.attribute("class")) : here);
+      function(child, class_of(child, here));
     }
   }
 }

@@ -40,8 +40,7 @@ class FrameWriter {
 
   /// @param class_name  of what stands in `parent` and has none of its own
   void write_out(MjcfElement& parent, const std::string& class_name) {
-    const std::string_view own = parent.attribute("childclass");
-    const std::string here = own.empty() ? class_name : std::string(own);
+    const std::string here = class_inside(parent, class_name);
     std::vector<MjcfElement> children;
     for (MjcfElement& child : parent.children) {
       const bool is_frame = child.tag == "frame";
@@ -66,7 +65,7 @@ class FrameWriter {
   }
 
   void move(const Pose& X, MjcfElement& e, const std::string& outer_class) {
-    const std::string class_name = e.has("class") ? std::string(e.attribute("class")) : outer_class;
+    const std::string class_name = class_of(e, outer_class);
     if (e.tag == "joint") {
       e.set("pos", text_of(X * vector(e, class_name, "pos", Vector3::Zero())));
       e.set("axis", text_of(X.linear() * vector(e, class_name, "axis", Vector3::UnitZ())));

@@ -118,10 +118,7 @@ INSTANTIATE_TEST_SUITE_P(, ClosedChainFiles, ::testing::ValuesIn(kLayouts),
 TEST_P(ClosedChainFiles, BarsAreFoundByTheLoops) {
   const auto [robot, report] = load();
   EXPECT_EQ(robot.actuated_joints().size(), 12U);
-  RobotState state;
-  state.q = robot.home;
-  std::vector<Pose> poses;
-  forward_kinematics(robot, state, poses);
+  const std::vector<Pose> poses = home_poses(robot);
   EXPECT_LT(max_loop_gap(robot, poses), 1e-12);
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
@@ -184,10 +181,7 @@ TEST_F(BehindAKneeThatFollows, AServoMovesTheFootInItsPlace) {
   for (const Leg leg : kLegs)
     yaml += fmt::format("  - {{follower: {0}_knee, leader: {0}_hip, coefficients: [0, -1.5]}}\n", name(leg));
   const RobotDescription robot = load_robot(write("robot.yaml", yaml));
-  RobotState state;
-  state.q = robot.home;
-  std::vector<Pose> poses;
-  forward_kinematics(robot, state, poses);
+  const std::vector<Pose> poses = home_poses(robot);
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
     EXPECT_EQ(model.linkage, LegLinkage::kClosedChain);

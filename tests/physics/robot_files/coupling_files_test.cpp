@@ -57,10 +57,7 @@ TEST_F(CouplingFiles, AKneeThatMimicsLeavesEightServosAndAHomeInWhichItDoes) {
   const LoadedRobot loaded = load(with_following_knee());
   const RobotDescription& robot = loaded.robot;
   EXPECT_EQ(robot.actuated_joints().size(), 8U);
-  RobotState state;
-  state.q = robot.home;
-  std::vector<Pose> poses;
-  forward_kinematics(robot, state, poses);
+  const std::vector<Pose> poses = home_poses(robot);
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
     EXPECT_EQ(model.linkage, LegLinkage::kKneeFollows);

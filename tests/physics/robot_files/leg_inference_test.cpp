@@ -34,10 +34,7 @@ class LegInference : public ScratchFolder {
   }
   /// Of the foot from the hip, at home.
   static Vector3 foot_from_hip(const RobotDescription& robot, Leg leg) {
-    RobotState state;
-    state.q = robot.home;
-    std::vector<Pose> poses;
-    forward_kinematics(robot, state, poses);
+    const std::vector<Pose> poses = home_poses(robot);
     const auto hip = static_cast<std::size_t>((*robot.legs)[leg].joint("hip")) + 1;
     return foot_position(robot, leg, poses) - poses[hip].translation();
   }

@@ -27,17 +27,10 @@ class Inferred : public ScratchFolder {
   static std::string joint_name(const RobotDescription& robot, Leg leg, const char* role) {
     return robot.joint((*robot.legs)[leg].joint(role)).name;
   }
-  static std::vector<Pose> at_home(const RobotDescription& robot) {
-    RobotState state;
-    state.q = robot.home;
-    std::vector<Pose> poses;
-    forward_kinematics(robot, state, poses);
-    return poses;
-  }
   /// Of the hip at home, in the base's frame.
   static Vector3 hip_axis_at_home(const RobotDescription& robot, Leg leg) {
     const int hip = (*robot.legs)[leg].joint("hip");
-    return at_home(robot)[static_cast<std::size_t>(hip) + 1].linear() * robot.joint(hip).axis;
+    return home_poses(robot)[static_cast<std::size_t>(hip) + 1].linear() * robot.joint(hip).axis;
   }
   static double home_abduction(const RobotDescription& robot, Leg leg) {
     return robot.home[(*robot.legs)[leg].joint("abduction")];
@@ -50,7 +43,7 @@ class Inferred : public ScratchFolder {
   }
   /// Foot below the hip, in the hip's body frame's place, at home.
   static Vector3 foot_from_hip(const RobotDescription& robot, Leg leg) {
-    const std::vector<Pose> poses = at_home(robot);
+    const std::vector<Pose> poses = home_poses(robot);
     const auto hip = static_cast<std::size_t>((*robot.legs)[leg].joint("hip")) + 1;
     return foot_position(robot, leg, poses) - poses[hip].translation();
   }
@@ -93,7 +86,7 @@ TEST_F(Inferred, HomeHasTheFeetAtTheirDepthUnderTheCentreOfMass) {
     SerialUrdf urdf;
     urdf.abduction = abduction;
     const RobotDescription robot = load(urdf).robot;
-    const std::vector<Pose> poses = at_home(robot);
+    const std::vector<Pose> poses = home_poses(robot);
     double com = 0, feet = 0;
     for (std::size_t i = 0; i < poses.size(); ++i)
       com +=
@@ -165,7 +158,7 @@ TEST_F(Inferred, AFrameThatIsNotRep103IsTurned) {
   EXPECT_LT((report.R_BA - urdf.R).norm(), 1e-12);
   EXPECT_LT((robot.home - expected.home).norm(), 1e-9);
   EXPECT_LT((robot.bodies[0].inertia.p_BC - Vector3(0.03, 0, 0)).norm(), 1e-15);
-  const std::vector<Pose> poses = at_home(robot), others = at_home(expected);
+  const std::vector<Pose> poses = home_poses(robot), others = home_poses(expected);
   for (const Leg leg : kLegs)
     EXPECT_LT((foot_position(robot, leg, poses) - foot_position(expected, leg, others)).norm(), 1e-9);
   EXPECT_NE(find(report, "frame")->reason.find("a guess"), std::string::npos);

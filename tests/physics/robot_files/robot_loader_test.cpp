@@ -16,7 +16,7 @@ namespace {
 
 const std::string kLongRobot = CROSSGAIT_SOURCE_DIR "/models/robots/scara_quadruped_long/robot.yaml";
 
-std::vector<Pose> home_poses(const RobotDescription& robot) {
+std::vector<Pose> standing_poses(const RobotDescription& robot) {
   RobotState state;
   state.q = robot.home;
   state.p_WB.z() = robot.home_height;
@@ -79,7 +79,7 @@ TEST(RobotLoader, PlacesLegsByTheirNames) {
 
 TEST(RobotLoader, HomeStandsOnFourFeetWithKneesOutward) {
   const RobotDescription robot = load_robot(kRobotFolder + "robot.yaml");
-  const std::vector<Pose> poses = home_poses(robot);
+  const std::vector<Pose> poses = standing_poses(robot);
   EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of .1 m
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
@@ -117,7 +117,7 @@ TEST(RobotLoader, LoadsASecondRobotOfOtherNamesAndFigures) {
   EXPECT_EQ(robot.joint(16).kp, 1.8);
   EXPECT_EQ(robot.joint(16).kd, 0.005);
   EXPECT_EQ(robot.joint(16).effort_limit, 1.5);
-  const std::vector<Pose> poses = home_poses(robot);
+  const std::vector<Pose> poses = standing_poses(robot);
   EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of .1 m
   for (const Leg leg : kLegs) EXPECT_NEAR(foot_position(robot, leg, poses).z(), 0.009, 1e-12);
 }
