@@ -88,6 +88,21 @@ std::vector<double> implicit_limits(const Subject& subject) {
   return {torque, speed};
 }
 
+// A servo at its limit against dry friction, and one whose spring is weaker than it: the most that it moves
+// in a second is what MuJoCo's law of friction gives way by, hard friction does not.
+std::vector<double> implicit_friction(const Subject& subject) {
+  constexpr double kFriction = 0.05, kEffort = 0.4;
+  HeldArm arm{{.friction = kFriction, .servo = true, .kp = 20, .kd = 0.5, .effort_limit = kEffort}};
+  const auto world = arm.make(subject);
+  advance(*world, target(1), 10);
+  const double J = arm.link.joint_inertia();
+  const double speed = world->state().qd[0] * J / ((kEffort - kFriction) * 10 * kStep);
+  world->reset();
+  const double torque = kFriction / 2;
+  advance(*world, target(torque / arm.link.kp), 500);
+  return {std::abs(speed - 1), std::abs(world->state().q[0]) / soft_creep(arm.link, torque)};
+}
+
 // A robot whose joints give way by its weight over their stiffness and no more.
 std::vector<double> implicit_stand(const Subject& subject) {
   const scenes::RobotPtr robot = scenes::with_implicit_servos(scenes::quadruped(), 100);
@@ -134,6 +149,19 @@ std::vector<Check> implicit_servo_checks() {
         with_rounding(at_most(1e-9, "speed after ten steps off, relative", "", "solvers stop early"), 1000)},
        implicit_limits,
        precondition},
+      {"implicit_servo_friction",
+       "Dry friction resists them, and holds what a spring of theirs does not overcome",
+       {with_rounding(
+            at_most(1e-9, "speed after ten steps at the limit off, relative", "", "solvers stop early"),
+            1000),
+        at_most(1.01, "creeps in a second, over what the law allows", "",
+                "of the soft law: R f / B; hard friction does not give way")},
+       implicit_friction,
+       {"Laws::implicit_servos and Laws::joint_friction",
+        [](const Subject& subject) {
+          const Laws& laws = subject.engine.info.laws;
+          return !laws.implicit_servos.empty() && !laws.joint_friction.empty();
+        }}},
       {"implicit_servo_standing",
        "A robot stands on them: solved along with loops and contacts",
        {at_most(0.6, "largest torque of a spring, over the servo's limit", "", "its weight takes less"),

@@ -17,14 +17,6 @@ const Vector3 kDown(0, 0, -kGravity);
 
 double weight_torque(const ArmLink& link) { return link.mass * kGravity * link.length; }
 
-/// Speed at which MuJoCo's friction gives way to `torque` in a joint of this link alone: aref = -B v has to
-/// carry it through R = (1 - imp) / imp / inertia. Hard friction does not give way at all.
-double soft_creep(const ArmLink& link, double torque) {
-  const Softness soft = RobotDescription().friction_softness;
-  const double damping = 2 / (soft.impedance_max * soft.time_constant);
-  return torque * (1 - soft.impedance_min) / soft.impedance_min / link.joint_inertia() / damping;
-}
-
 /// Where a pendulum let go at `from` is at rest next: m g l (cos to - cos from) = friction |to - from|.
 double next_rest(const ArmLink& link, double from) {
   const double side = std::copysign(1.0, from), start = std::abs(from);

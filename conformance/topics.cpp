@@ -56,6 +56,12 @@ double residual_speed(const EngineInfo& engine) {
   return stops_early ? kGravity * 1e-3 / 5 : 0;
 }
 
+double soft_creep(const scenes::ArmLink& link, double torque) {
+  const Softness soft = RobotDescription().friction_softness;
+  const double damping = 2 / (soft.impedance_max * soft.time_constant);
+  return torque * (1 - soft.impedance_min) / soft.impedance_min / link.joint_inertia() / damping;
+}
+
 bool is_soft(const Subject& subject) { return subject.engine.info.capabilities.soft_contact; }
 
 double loop_gap(const PhysicsBackend& world) {

@@ -51,6 +51,10 @@ double relative_difference(const JointVector& found, const JointVector& expected
 /// the rounding of both, at most `rounding`, leaves open.
 double convergence(double fine, double coarse, double expected, double rounding);
 
+/// Returns the speed (rad/s) at which MuJoCo's friction gives way to `torque` (N m) in a joint of this link
+/// alone: aref = -B v has to carry it through R = (1 - imp) / imp / inertia. Hard friction does not give way.
+double soft_creep(const scenes::ArmLink& link, double torque);
+
 /// Tells whether contact is soft by declaration.
 bool is_soft(const Subject& subject);
 

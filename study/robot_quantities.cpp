@@ -48,6 +48,7 @@ class Quantities {
 
   std::vector<RobotQuantity> list() {
     for (int i = 0; i < loaded_.robot.joint_count(); ++i) add_joint(loaded_.robot.joint(i));
+    for (const auto& [joint, angle] : loaded_.report.locked) add_held(joint, angle);
     if (loaded_.robot.legs) {
       for (const Leg leg : kLegs) add_foot(leg);
     }
@@ -97,6 +98,19 @@ class Quantities {
     if (joint.target_lower != unlimited.target_lower || joint.target_upper != unlimited.target_upper)
       add(joint.name, "target_range", "rad", List{file.target_lower, file.target_upper},
           List{joint.target_lower, joint.target_upper}, reason(joint, "target_range", true));
+  }
+
+  /// What holds a joint is rigid: none of its numbers is simulated.
+  void add_held(const std::string& name, double angle) {
+    const std::string why = "the joint is held";
+    add(name, "angle", "rad", {}, angle, why);
+    const auto found = loaded_.report.joints_of_file.find(name);
+    if (found == loaded_.report.joints_of_file.end()) return;
+    const Joint& file = found->second;
+    for (const JointNumber& number : kJointNumbers) {
+      if (file.*number.member != 0) add(name, number.name, number.unit, file.*number.member, {}, why);
+    }
+    if (file.limited) add(name, "limits", "rad", List{file.lower, file.upper}, {}, why);
   }
 
   void add_limits(const Joint& joint, const Joint& file) {

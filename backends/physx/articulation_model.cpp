@@ -4,10 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <fmt/format.h>
-
 #include "backends/physx/convert.h"
-#include "physics/core/error.h"
 #include "physics/robot/actuator.h"
 #include "physics/robot/principal_inertia.h"
 
@@ -80,6 +77,7 @@ ArticulationModel::ArticulationModel(const WorldSpec& spec, const Settings& sett
 
 ArticulationModel::~ArticulationModel() {
   loops_.clear();
+  frictions_.clear();
   cache_.reset();
 }
 
@@ -112,12 +110,12 @@ void ArticulationModel::add_joint(const Body& body, std::size_t i) {
   joint.setMaxJointVelocity(kNoLimit);
   joint.setArmature(px::PxArticulationAxis::eTWIST,
                     static_cast<float>(step_armature(body.joint, spec_.physics_dt)));
-  if (body.joint.friction > 0 && is_implicit(body.joint))
-    throw ConfigError(spec_.robot->source.empty() ? spec_.robot->name : spec_.robot->source,
-                      fmt::format("joint '{}'", body.joint.name),
-                      "an implicit servo or dry friction: PhysX has one drive for a joint, which is either",
-                      "both");
-  if (body.joint.friction > 0) {
+  if (body.joint.friction > 0 && is_implicit(body.joint)) {
+    const Vector3 axis = (X_parent.inverse() * body.X_PB).linear() * body.joint.axis;
+    frictions_.emplace(
+        i, std::make_unique<DryFriction>(the_physics(), *links_[static_cast<std::size_t>(body.parent)],
+                                         *links_[i], axis, body.joint.friction));
+  } else if (body.joint.friction > 0) {
     // A damper that stops the joint within a step if its bound lets it: Coulomb's friction.
     constexpr float kStops = 1e6F;  // N m s/rad
     joint.setDriveParams(px::PxArticulationAxis::eTWIST, {0, kStops, static_cast<float>(body.joint.friction),
@@ -241,6 +239,8 @@ SpatialInertia ArticulationModel::body_inertia(int body) const {
 }
 
 double ArticulationModel::joint_friction(int joint) const {
+  const auto apart = frictions_.find(static_cast<std::size_t>(joint) + 1);
+  if (apart != frictions_.end()) return apart->second->torque();
   if (is_implicit(spec_.robot->joint(joint))) return 0;
   const px::PxArticulationDrive drive =
       link(joint + 1).getInboundJoint()->getDriveParams(px::PxArticulationAxis::eTWIST);

@@ -1,6 +1,7 @@
 // PhysX's articulation of a RobotDescription.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -9,6 +10,7 @@
 
 #include <PxPhysicsAPI.h>
 
+#include "backends/physx/dry_friction.h"
 #include "backends/physx/foundation.h"
 #include "backends/physx/loop_constraint.h"
 #include "backends/physx/settings.h"
@@ -80,6 +82,7 @@ class ArticulationModel {
   std::vector<Pose> X_BP_;
   std::vector<std::size_t> groups_;  ///< by body
   std::vector<std::unique_ptr<LoopConstraint>> loops_;
+  std::map<std::size_t, std::unique_ptr<DryFriction>> frictions_;  ///< by body, of implicit servos' joints
   std::unique_ptr<CacheOfStock> cache_;
   std::vector<px::PxSpatialVelocity> before_;
 };

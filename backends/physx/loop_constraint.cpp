@@ -1,28 +1,16 @@
 #include "backends/physx/loop_constraint.h"
 
 #include <array>
-#include <stdexcept>
 
 #include "backends/physx/convert.h"
 
 namespace crossgait::physx {
-namespace {
-
-void show_nothing(px::PxConstraintVisualizer& /*visualizer*/, const void* /*data*/,
-                  const px::PxTransform& /*A*/, const px::PxTransform& /*B*/, px::PxU32 /*flags*/) {}
-
-}  // namespace
 
 LoopConstraint::LoopConstraint(px::PxPhysics& physics, px::PxArticulationLink& a, const Vector3& p_A,
                                px::PxArticulationLink& b, const Vector3& p_B)
     : points_{vector(p_A), vector(p_B)} {
-  static constexpr px::PxConstraintShaderTable kShaders = {prepare, show_nothing,
-                                                           px::PxConstraintFlag::Enum(0)};
-  constraint_ = physics.createConstraint(&a, &b, *this, kShaders, sizeof(Points));
-  if (constraint_ == nullptr) throw std::runtime_error("PhysX refused a loop closure");
+  make(physics, a, b, prepare, &points_, sizeof(Points));
 }
-
-LoopConstraint::~LoopConstraint() { constraint_->release(); }
 
 px::PxU32 LoopConstraint::prepare(px::Px1DConstraint* rows, px::PxVec3p& offset, px::PxU32 /*most*/,
                                   px::PxConstraintInvMassScale& scale, const void* data,
@@ -47,11 +35,6 @@ px::PxU32 LoopConstraint::prepare(px::Px1DConstraint* rows, px::PxVec3p& offset,
     row.flags = 0;
   }
   return static_cast<px::PxU32>(axes.size());
-}
-
-void* LoopConstraint::getExternalReference(px::PxU32& type) {
-  type = px::PxConcreteType::eFIRST_USER_EXTENSION;
-  return this;
 }
 
 }  // namespace crossgait::physx

@@ -10,8 +10,20 @@ namespace {
 // Real files have a dozen kinds at most; a file may be all misspelt.
 constexpr std::size_t kMostKinds = 64;
 constexpr std::size_t kMostOfASentence = 2000;  // bytes
+constexpr std::size_t kMostOfAValue = 50, kMostOfNumbers = 160;
 
 }  // namespace
+
+void HeldNumbers::add(std::string_view name, std::string_view value) {
+  const std::size_t first = value.find_first_not_of(" \t\r\n");
+  const bool is_number = first != std::string_view::npos &&
+                         std::string_view("+-.0123456789").find(value[first]) != std::string_view::npos;
+  if (!is_number || text_.size() > kMostOfNumbers) return;
+  text_ += text_.empty() ? ": " : " ";
+  text_ += text_.size() > kMostOfNumbers
+               ? "..."
+               : fmt::format("{}=\"{}\"", name, printable_text(value.substr(first), kMostOfAValue));
+}
 
 ReaderWarnings::Kind* ReaderWarnings::more_of(std::string_view before, std::string_view after) {
   std::string key = fmt::format("{}#{}", before, after);
@@ -32,6 +44,17 @@ ReaderWarnings::Kind* ReaderWarnings::more_of(std::string_view before, std::stri
 void ReaderWarnings::count(std::string_view before, std::string_view after, std::string_view where) {
   Kind* const kind = more_of(before, after);
   if (kind != nullptr && kind->count == 1) kind->where = fmt::format(", first in {}", where);
+}
+
+void ReaderWarnings::ignore_attribute(std::string_view name, std::string_view value, std::string_view tag,
+                                      std::string_view where, std::string_view why) {
+  count("ignored ", fmt::format(" attribute(s) '{}' of <{}>{}", name, tag, why),
+        fmt::format("{}: {}=\"{}\"", where, name, printable_text(value, kMostOfAValue)));
+}
+
+void ReaderWarnings::ignore_element(std::string_view what, std::string_view where,
+                                    const HeldNumbers& numbers) {
+  count("ignored ", fmt::format(" {}", what), fmt::format("{}{}", where, numbers.text()));
 }
 
 void ReaderWarnings::list(std::string_view what, std::string_view name) {

@@ -9,12 +9,32 @@
 
 namespace crossgait {
 
+/// Gathers the numbers that an element holds, for people.
+class HeldNumbers {
+ public:
+  /// Adds one if the value is one, or begins with one. @param name  of the attribute, or of the element
+  /// around it
+  void add(std::string_view name, std::string_view value);
+  /// Says ": soft_lower_limit="-1.5" k_velocity="10"", or nothing of none.
+  const std::string& text() const noexcept { return text_; }
+
+ private:
+  std::string text_;
+};
+
 /// Counts things by their kind, and remembers where the first of each was.
 class ReaderWarnings {
  public:
   /// Counts one more thing of the kind that reads "<before><number><after>", e.g. ("ignored ", " <contact>").
   /// @param where  of this one, e.g. "link 'shin' (line 7)"
   void count(std::string_view before, std::string_view after, std::string_view where);
+  /// Counts an attribute that nobody reads, and says what the first one holds:
+  /// ignored 4 attribute(s) 'kp' of <fixed>, first in fixed (line 7): kp="40"
+  void ignore_attribute(std::string_view name, std::string_view value, std::string_view tag,
+                        std::string_view where, std::string_view why = {});
+  /// Counts an element that nobody reads, and says which numbers the first one holds.
+  /// @param what  "<safety_controller>"
+  void ignore_element(std::string_view what, std::string_view where, const HeldNumbers& numbers);
   /// Counts one more thing of the kind that reads "<number> <what>", followed by the names of them all.
   void list(std::string_view what, std::string_view name);
   /// Adds a sentence of its own.

@@ -1,5 +1,7 @@
 #include "physics/robot_files/xml_text.h"
 
+#include <vector>
+
 #include <fmt/format.h>
 #include <tinyxml.h>
 
@@ -15,6 +17,12 @@ void parse_xml(const std::string& text, const ReadBudget& budget, const std::str
     throw ConfigError(source, fmt::format("line {}", document.ErrorRow()), "well-formed XML",
                       document.ErrorDesc());
   }
+  const TiXmlElement* const root = document.RootElement();
+  const TiXmlElement* const second = root == nullptr ? nullptr : root->NextSiblingElement();
+  if (second != nullptr) {
+    throw ConfigError(source, fmt::format("line {}", second->Row()), "one element around all others",
+                      fmt::format("<{}> behind <{}>", second->Value(), root->Value()));
+  }
 }
 
 std::string trimmed(std::string_view text) {
@@ -27,6 +35,21 @@ std::string trimmed(std::string_view text) {
 std::string attribute_of(const TiXmlElement& element, const char* name) {
   const char* value = element.Attribute(name);
   return value == nullptr ? "" : value;
+}
+
+HeldNumbers held_numbers(const TiXmlElement& element) {
+  HeldNumbers numbers;
+  std::vector<const TiXmlElement*> open{&element};
+  while (!open.empty()) {
+    const TiXmlElement& e = *open.back();
+    open.pop_back();
+    for (auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) numbers.add(a->Name(), a->Value());
+    if (const char* text = e.GetText()) numbers.add(e.Value(), text);
+    for (auto* child = e.LastChild(); child != nullptr; child = child->PreviousSibling()) {
+      if (const TiXmlElement* inner = child->ToElement()) open.push_back(inner);
+    }
+  }
+  return numbers;
 }
 
 }  // namespace crossgait

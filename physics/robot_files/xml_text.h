@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "physics/core/read_budget.h"
+#include "physics/robot_files/reader_warnings.h"
 
 class TiXmlDocument;
 class TiXmlElement;
@@ -21,5 +22,8 @@ std::string trimmed(std::string_view text);
 
 /// Returns the attribute of that name, or "".
 std::string attribute_of(const TiXmlElement& element, const char* name);
+
+/// Lists the numbers of an element and of those in it, in attributes and as text.
+HeldNumbers held_numbers(const TiXmlElement& element);
 
 }  // namespace crossgait

@@ -393,6 +393,11 @@ TEST_F(MjcfServos, ContactIsCombinedAsMuJoCoDoes) {
                   R"(<contact><pair geom1="ground" geom2="toe" friction=".2 .2 .01"/></contact>)")
                 .friction,
             (Three{0.2, 0.01, 0.0001}));
+  const auto unused =
+      touch("", "", R"(<contact><pair geom1="ground" geom2="toe" friction=".2 .5 .01 .001 .002"/></contact>)")
+          .not_simulated;
+  EXPECT_EQ(unused.at("second_friction").number, 0.5);
+  EXPECT_EQ(unused.at("second_rolling_friction").number, 0.002);
   EXPECT_EQ(
       touch(R"(friction=".7")", "", R"(<option o_friction=".3 .3 .01"><flag override="enable"/></option>)")
           .friction,

@@ -188,6 +188,7 @@ std::vector<Planted> of_joint_rows_and_parity() {
       {"implicit_servo_recursion", of_joints(&Joint::kp, 1.02)},
       {"implicit_servo_stiff", of_bodies([](Body& body) { body.joint.implicit_stiffness = 0; })},
       {"implicit_servo_limits", of_joints(&Joint::effort_limit, 0.999)},
+      {"implicit_servo_friction", of_joints(&Joint::friction, 0.9)},
       {"implicit_servo_standing", of_joints(&Joint::kp, 1.5)},
       {"model_audit", of_joints(&Joint::armature, 1.01)},
       {"same_swing", of_joints(&Joint::armature, 1.01)},

@@ -62,6 +62,22 @@ TEST(RobotQuantities, SpeedsOfTheFileAreShownBesideWhatTakesTheirPlace) {
   EXPECT_THROW(row(), std::runtime_error);
 }
 
+TEST(RobotQuantities, NumbersOfJointsThatAreHeldAreShownAndSaidToBeNoPartOfIt) {
+  LoadedRobot loaded = serial();
+  Joint& wheel = loaded.report.joints_of_file["wheel"];
+  wheel.effort_limit = 7, wheel.damping = 0.3;
+  wheel.limited = true, wheel.lower = -1, wheel.upper = 2;
+  loaded.report.locked = {{"wheel", 0.25}};
+  const std::vector<RobotQuantity> rows = robot_quantities(loaded, {});
+  EXPECT_EQ(std::get<double>(find(rows, "wheel", "angle").used), 0.25);
+  for (const auto& [name, number] : {std::pair{"effort", 7.0}, {"damping", 0.3}}) {
+    EXPECT_EQ(std::get<double>(find(rows, "wheel", name).file), number);
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(find(rows, "wheel", name).used));
+  }
+  EXPECT_EQ(std::get<std::vector<double>>(find(rows, "wheel", "limits").file), (std::vector<double>{-1, 2}));
+  EXPECT_THROW(find(rows, "wheel", "kp"), std::runtime_error);
+}
+
 TEST(RobotQuantities, ContactThatTheFileSaysAndNothingSimulatesIsWarnedOfWithBothNumbers) {
   LoadedRobot loaded = serial();
   EXPECT_FALSE(any_holds(robot_warnings(loaded, {}), "not as the file says"));

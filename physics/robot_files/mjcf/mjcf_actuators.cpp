@@ -189,8 +189,7 @@ bool autolimits_of(const MjcfElement& root) {
 void count_unknown(const MjcfElement& e, const std::string& main_file, ReaderWarnings& warnings) {
   for (const auto& [name, value] : e.attributes) {
     if (is_one_of(kKnown, name)) continue;
-    warnings.count("ignored ", fmt::format(" attribute(s) '{}' of <{}>", name, e.tag),
-                   mjcf_place(e, main_file));
+    warnings.ignore_attribute(name, value, e.tag, mjcf_place(e, main_file));
   }
 }
 
@@ -232,7 +231,8 @@ std::vector<MjcfActuator> take_actuators(MjcfDocument& document, const MjcfDefau
     for (const MjcfElement& e : section.children) {
       const std::string_view joint = e.attribute(e.has("joint") ? "joint" : "jointinparent");
       if (!is_one_of(kOfJoints, e.tag) || joint.empty()) {
-        warnings.count("ignored ", fmt::format(" <{}> in <actuator>", e.tag), mjcf_place(e, document.path()));
+        warnings.ignore_element(fmt::format("<{}> in <actuator>", e.tag), mjcf_place(e, document.path()),
+                                held_numbers(e));
         continue;
       }
       if (!defaults.has(e.attribute("class")))

@@ -71,9 +71,8 @@ class Compilation {
   void take_out(const std::string& tag, const std::string& attribute) {
     for_each_mjcf_element(document_.root(), [&](MjcfElement& e) {
       if (e.tag != tag || !e.has(attribute)) return;
-      warnings_.count("ignored ",
-                      fmt::format(" attribute(s) '{}' of <{}> that the engine does not know", attribute, tag),
-                      mjcf_place(e, document_.path()));
+      warnings_.ignore_attribute(attribute, e.attribute(attribute), tag, mjcf_place(e, document_.path()),
+                                 " that the engine does not know");
       e.remove(attribute);
     });
   }

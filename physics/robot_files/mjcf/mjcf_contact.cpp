@@ -49,6 +49,12 @@ void override_numbers(const MjcfElement& says, std::string_view prefix, ContactN
       const std::size_t from = i == 0 ? 0 : i + 1;
       if (from < five.size()) numbers.friction[i] = five[from];
     }
+    const auto second = [&](std::size_t of, const char* number, const char* why) {
+      if (of + 1 < five.size() && five[of + 1] != five[of])
+        numbers.not_simulated[number] = {five[of + 1], why};
+    };
+    second(0, "second_friction", "a contact slides alike in every direction");
+    second(3, "second_rolling_friction", "a contact rolls alike in every direction");
   });
   take("solref", [&](const std::string& attribute) { copy_numbers(says, attribute, numbers.solref); });
   take("solimp", [&](const std::string& attribute) { copy_numbers(says, attribute, numbers.solimp); });

@@ -68,6 +68,18 @@ std::string mjcf_place(const MjcfElement& element, const std::string& main_file)
   return fmt::format("{} (line {}{})", mjcf_label(element), element.line, of);
 }
 
+HeldNumbers held_numbers(const MjcfElement& element) {
+  HeldNumbers numbers;
+  std::vector<const MjcfElement*> open{&element};
+  while (!open.empty()) {
+    const MjcfElement& e = *open.back();
+    open.pop_back();
+    for (const auto& [name, value] : e.attributes) numbers.add(name, value);
+    for (auto child = e.children.rbegin(); child != e.children.rend(); ++child) open.push_back(&*child);
+  }
+  return numbers;
+}
+
 void fail_at(const MjcfElement& element, std::string_view expected, std::string_view found) {
   throw ConfigError(*element.file, fmt::format("line {}, {}", element.line, mjcf_label(element)), expected,
                     found);

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "physics/robot_files/reader_warnings.h"
+
 namespace crossgait {
 
 struct MjcfElement {
@@ -28,6 +30,9 @@ struct MjcfElement {
 std::string mjcf_label(const MjcfElement& element);
 /// Says "geom 'shin' (line 7)"; of an included file "(line 7 of legs.xml)".
 std::string mjcf_place(const MjcfElement& element, const std::string& main_file);
+
+/// Lists the numbers of an element and of those in it.
+HeldNumbers held_numbers(const MjcfElement& element);
 
 /// Throws ConfigError about an element of a file.
 [[noreturn]] void fail_at(const MjcfElement& element, std::string_view expected, std::string_view found);

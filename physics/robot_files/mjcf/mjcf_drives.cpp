@@ -42,7 +42,8 @@ class Driver {
     for (const MjcfActuator& actuator : actuators) {
       if (actuator.kind == MjcfActuatorKind::kOther || actuator.bias[1] > 0) {
         warnings.count("ignored ", " actuator(s) that are neither motors nor servos of a joint",
-                       actuator.place);
+                       fmt::format("{}: gain {:g}, bias {:g}", actuator.place, actuator.gain,
+                                   fmt::join(actuator.bias, " ")));
       } else {
         of_joint_[actuator.joint].push_back(&actuator);
       }

@@ -109,7 +109,8 @@ class Taker {
     warnings_.count(before, after, mjcf_place(at, document_.path()));
   }
   void ignore(const MjcfElement& element, std::string_view section) {
-    count("ignored ", fmt::format(" <{}> in <{}>", element.tag, section), element);
+    warnings_.ignore_element(fmt::format("<{}> in <{}>", element.tag, section),
+                             mjcf_place(element, document_.path()), held_numbers(element));
   }
   /// Takes away the children of a section for which `is_kept` is false, and counts them.
   template <typename Predicate>
@@ -123,8 +124,10 @@ class Taker {
   void read_section(const MjcfElement& section) {
     if (is_one_of(section.tag, kIgnoredSections)) {
       for (const MjcfElement& child : section.children)
-        child.tag == "pair" ? count("took nothing but contact of feet with the ground of ", " <pair>", child)
-                            : count("ignored ", fmt::format(" element(s) of <{}>", section.tag), child);
+        child.tag == "pair"
+            ? count("took nothing but contact of feet with the ground of ", " <pair>", child)
+            : warnings_.ignore_element(fmt::format("element(s) of <{}>", section.tag),
+                                       mjcf_place(child, document_.path()), held_numbers(child));
     } else if (section.tag == "option") {
       read_option(section);
     } else if (section.tag == "compiler") {

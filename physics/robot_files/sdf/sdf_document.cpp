@@ -139,17 +139,30 @@ void fail_at(const SdfElement& element, std::string_view expected, std::string_v
   throw ConfigError(*element.file, fmt::format("line {}, {}", element.line, element.place), expected, found);
 }
 
+HeldNumbers held_numbers(const SdfElement& element) {
+  HeldNumbers numbers;
+  std::vector<const SdfElement*> open{&element};
+  while (!open.empty()) {
+    const SdfElement& e = *open.back();
+    open.pop_back();
+    for (const SdfAttribute& a : e.attributes) numbers.add(a.name, a.value);
+    numbers.add(e.tag, e.text);
+    for (auto child = e.children.rbegin(); child != e.children.rend(); ++child) open.push_back(&*child);
+  }
+  return numbers;
+}
+
 void count_unread(const SdfElement& top, const std::string& main_file, ReaderWarnings& warnings) {
   for (const SdfAttribute& a : top.attributes) {
     if (a.is_read || a.name.starts_with("xmlns")) continue;
-    warnings.count("ignored ", fmt::format(" attribute(s) '{}' of <{}>", a.name, top.tag),
-                   sdf_place(top, main_file));
+    warnings.ignore_attribute(a.name, a.value, top.tag, sdf_place(top, main_file));
   }
   for (const SdfElement& e : top.children) {
     if (e.is_read) {
       count_unread(e, main_file, warnings);
     } else {
-      warnings.count("ignored ", fmt::format(" <{}> of <{}>", e.tag, top.tag), sdf_place(e, main_file));
+      warnings.ignore_element(fmt::format("<{}> of <{}>", e.tag, top.tag), sdf_place(e, main_file),
+                              held_numbers(e));
     }
   }
 }

@@ -51,6 +51,9 @@ std::string sdf_place(const SdfElement& element, const std::string& main_file);
 /// @throws ConfigError naming file, line and place of the element
 [[noreturn]] void fail_at(const SdfElement& element, std::string_view expected, std::string_view found);
 
+/// Lists the numbers of an element and of those in it, in attributes and as text.
+HeldNumbers held_numbers(const SdfElement& element);
+
 /// Counts the elements and attributes below `top` that nobody has read: "ignored 2 <sensor> of <link>".
 void count_unread(const SdfElement& top, const std::string& main_file, ReaderWarnings& warnings);
 

@@ -56,7 +56,7 @@ ContactNumbers read_urdf_contact(const TiXmlElement& link, const UrdfErrors& err
     } else if (known != unused_words().end()) {
       unused.push_back(unused_word(urdf_label(link), word, attribute_of(*e, "value"), known->second));
     } else {
-      warnings.count("ignored ", fmt::format(" <{}> of <contact>", word), urdf_place(link, *e));
+      warnings.ignore_element(fmt::format("<{}> of <contact>", word), urdf_place(link, *e), held_numbers(*e));
     }
   }
   const bool turns = spinning > 0 || rolling > 0;

@@ -142,10 +142,11 @@ class ElementCopy {
   }
 
   void ignore(const TiXmlAttribute& unknown, const TiXmlElement& of) {
-    count("ignored ", fmt::format(" attribute(s) '{}' of <{}>", unknown.Name(), of.Value()), of);
+    warnings_.ignore_attribute(unknown.Name(), unknown.Value(), of.Value(), urdf_place(top_, of));
   }
   void ignore(const TiXmlElement& unknown) {
-    count("ignored ", fmt::format(" <{}>", unknown.ValueStr()), unknown);
+    warnings_.ignore_element(fmt::format("<{}>", unknown.Value()), urdf_place(top_, unknown),
+                             held_numbers(unknown));
   }
 
   void copy_attributes(const TiXmlElement& from, const ElementRule& rule, const std::string& path,

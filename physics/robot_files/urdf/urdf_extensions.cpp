@@ -89,7 +89,7 @@ class ExtensionReader {
     for (auto* a = robot_.FirstAttribute(); a != nullptr; a = a->Next()) {
       const std::string_view name = a->Name();
       if (name != "name" && name != "version" && !name.starts_with("xmlns"))
-        count("ignored ", fmt::format(" attribute(s) '{}' of <robot>", name), robot_);
+        warnings_.ignore_attribute(name, a->Value(), "robot", place_of(robot_));
     }
     for_each_child(robot_, [this](const TiXmlElement& e) {
       const std::string& tag = e.ValueStr();
@@ -98,7 +98,7 @@ class ExtensionReader {
       } else if (tag == "transmission") {
         read_transmission(e);
       } else if (tag != "link" && tag != "joint" && tag != "material") {
-        count("ignored ", fmt::format(" <{}> of <robot>", tag), e);
+        ignore(e, "robot");
       }
     });
     for (const auto& [link, surface] : surfaces_) {
@@ -123,6 +123,10 @@ class ExtensionReader {
   }
   void count(std::string_view before, std::string_view after, const TiXmlElement& at) {
     warnings_.count(before, after, place_of(at));
+  }
+
+  void ignore(const TiXmlElement& e, std::string_view section) {
+    warnings_.ignore_element(fmt::format("<{}> of <{}>", e.Value(), section), place_of(e), held_numbers(e));
   }
 
   double number(const TiXmlElement& e, bool may_be_negative) const {
@@ -160,7 +164,7 @@ class ExtensionReader {
         return;
       if (is_joint && (read_spring(reference, word, e) || read_listed(reference, words_of_joints(), word, e)))
         return;
-      count("ignored ", fmt::format(" <{}> of <gazebo>", e.Value()), e);
+      ignore(e, "gazebo");
     });
   }
 
@@ -171,7 +175,7 @@ class ExtensionReader {
           " <plugin> not run: ",
           fmt::format("'{}'", printable_text(file.empty() ? attribute_of(e, "name") : file, kMostOfAValue)));
     } else {
-      count("ignored ", fmt::format(" <{}> of <gazebo>", e.Value()), e);
+      ignore(e, "gazebo");
     }
   }
 
@@ -235,7 +239,7 @@ class ExtensionReader {
       } else if (tag == "hardwareInterface") {
         list_unused(joint, tag, value_of(e), "servos hold angles, whatever commands them");
       } else if (tag != "joint" && tag != "type" && tag != "plugin") {
-        count("ignored ", fmt::format(" <{}> of <transmission>", tag), e);
+        ignore(e, "transmission");
       }
     });
   }

@@ -191,6 +191,8 @@ TEST_P(BadUrdf, IsRejectedByName) { expect_error("robot.urdf", GetParam()); }
 const BadInput kBadUrdfs[] = {
     {"Truncated", "</robot>", "", "line ", "well-formed XML", "end tag"},
     {"NotXml", "<?xml version=\"1.0\"?>", "link = trunk", "line ", "well-formed XML", "Error"},
+    {"SecondRobot", "</robot>", "</robot><robot name=\"other\"/>", "line ", "one element around all others",
+     "<robot> behind <robot>"},
     {"NamelessRobot", "<robot name=\"scara_quadruped\">", "<sdf/><robot nam=\"\">", "robot",
      "urdfdom accepts", "name"},
     {"NoName", "<link name=\"trunk\">", "<link>", "link ''", "attribute 'name'", "none"},

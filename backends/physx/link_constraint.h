@@ -1,0 +1,47 @@
+// A constraint of ours between two links, solved by PhysX along with contacts.
+#pragma once
+
+#include <PxPhysicsAPI.h>
+
+namespace crossgait::physx {
+
+namespace px = ::physx;
+
+/// Stands between PhysX and rows that a derived class writes: `Prepare` reads `Data`, which does not move.
+class LinkConstraint : private px::PxConstraintConnector {
+ public:
+  LinkConstraint(const LinkConstraint&) = delete;
+  LinkConstraint& operator=(const LinkConstraint&) = delete;
+
+ protected:
+  LinkConstraint() = default;
+  ~LinkConstraint() override;
+
+  /// Makes it, once, when the data is there.
+  /// @param data  that `prepare` gets a copy of; outlives this
+  /// @param flags  of the whole constraint
+  /// @throws std::runtime_error if PhysX refuses it
+  void make(px::PxPhysics& physics, px::PxArticulationLink& a, px::PxArticulationLink& b,
+            px::PxConstraintSolverPrep prepare, void* data, px::PxU32 size, px::PxConstraintFlags flags = {});
+
+ private:
+  void* prepareData() override { return data_; }
+  bool updatePvdProperties(px::pvdsdk::PvdDataStream& /*stream*/, const px::PxConstraint* /*constraint*/,
+                           px::PxPvdUpdateType::Enum /*type*/) const override {
+    return false;
+  }
+  void updateOmniPvdProperties() const override {}
+  void onConstraintRelease() override {}
+  void onComShift(px::PxU32 /*actor*/) override {}
+  void onOriginShift(const px::PxVec3& /*shift*/) override {}
+  void* getExternalReference(px::PxU32& type) override;
+  px::PxBase* getSerializable() override { return nullptr; }
+  px::PxConstraintSolverPrep getPrep() const override { return prepare_; }
+  const void* getConstantBlock() const override { return data_; }
+
+  px::PxConstraintSolverPrep prepare_ = nullptr;
+  void* data_ = nullptr;
+  px::PxConstraint* constraint_ = nullptr;
+};
+
+}  // namespace crossgait::physx
