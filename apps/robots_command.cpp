@@ -268,8 +268,14 @@ void lint(const RobotsCommand& options) {
                                                           {"junit", LintFormat::kJunit}};
   LintReport report;
   if (!options.baseline.empty()) report.known = read_baseline(options.baseline);
-  for (const std::string& robot : options.robots)
-    report.robots.push_back(lint_robot(find_robot(robot), available_engines()));
+  std::vector<std::string> files;
+  for (const std::string& robot : options.robots) {
+    files.push_back(find_robot(robot));
+    // What is in a file is a finding; that there is none is a mistake of who asks.
+    if (!std::filesystem::exists(files.back()))
+      throw ConfigError(files.back(), "file", "a robot's file", "nothing there");
+  }
+  for (const std::string& file : files) report.robots.push_back(lint_robot(file, available_engines()));
   print_data(report.text(kFormats.at(options.format)));
   const std::size_t count =
       report.count_new(options.fail_on == "warning" ? Severity::kWarning : Severity::kError);

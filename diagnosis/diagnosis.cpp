@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <span>
 
@@ -72,15 +73,39 @@ std::vector<Candidate> search_singles(Search& search, std::vector<Candidate>& gl
   return walk_best(search, std::move(best), part_of(progress, 0.7, 1));
 }
 
+// Of fields with very many changes, as orders are, those that did best alone: beside another change only
+// these are tried.
+class BestAlone {
+ public:
+  // @param glanced  changes of one field, all that were looked at
+  explicit BestAlone(const std::vector<Candidate>& glanced) {
+    constexpr std::size_t kOfAField = 24;
+    std::map<std::string, std::size_t> count;
+    for (const Candidate& one : glanced) ++count[one.field];
+    for (const Candidate& one : best_of_fields(glanced, &Candidate::glance, kOfAField, glanced.size())) {
+      if (count.at(one.field) > kOfAField) best_[one.field].insert(one.to);
+    }
+  }
+
+  bool has(const Candidate& second) const {
+    const auto found = best_.find(second.fields.back());
+    return found == best_.end() || found->second.contains(second.change.to);
+  }
+
+ private:
+  std::map<std::string, std::set<std::string>> best_;  // by field, what they change it to
+};
+
 // Changes of a second field on top of some first ones.
 std::vector<Candidate> search_pairs_of(Search& search, std::span<const Candidate> firsts,
-                                       const Progress& progress) {
+                                       const BestAlone& alone, const Progress& progress) {
   constexpr std::size_t kEach = 6, kTuned = 3;
   std::vector<Candidate> best;
   const double share = 0.8 / static_cast<double>(firsts.size());
   double done = 0;
   for (const Candidate& first : firsts) {
     std::vector<Candidate> seconds = search.changes(&first);
+    std::erase_if(seconds, [&alone](const Candidate& second) { return !alone.has(second); });
     search.glance(seconds, part_of(progress, done, done + 0.75 * share));
     seconds = best_of_fields(std::move(seconds), &Candidate::glance, 1, kEach);
     tune(search, seconds, kTuned, part_of(progress, done + 0.75 * share, done + share));
@@ -109,13 +134,14 @@ std::vector<Candidate> search_pairs(Search& search, const std::vector<Candidate>
   constexpr std::size_t kTogether = 4, kMost = 12;
   std::vector<Candidate> firsts = best_of_fields(glanced, &Candidate::glance, 1, kMost);
   if (firsts.size() > kMost) firsts.resize(kMost);  // suspect fields come beside the best
+  const BestAlone alone(glanced);
   std::vector<Candidate> found;
   for (std::size_t i = 0; i < firsts.size() && !any_settles(found, search); i += kTogether) {
     const std::size_t count = std::min(kTogether, firsts.size() - i);
     const auto share = [&](std::size_t k) {
       return static_cast<double>(k) / static_cast<double>(firsts.size());
     };
-    append(search_pairs_of(search, std::span(firsts).subspan(i, count),
+    append(search_pairs_of(search, std::span(firsts).subspan(i, count), alone,
                            part_of(progress, share(i), share(i + count))),
            found);
   }

@@ -175,6 +175,12 @@ TEST(Program, RobotsShowsTheBundledOnesAndOne) {
   EXPECT_EQ(one["body_list"].size(), 21U);
 }
 
+TEST(Program, AFileThatIsNotThereIsNoFindingOfACheck) {
+  const ProgramResult result = run_program("robots scara_quadruped gone.urdf --check --format sarif");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("gone.urdf: file: expected a robot's file"), std::string::npos) << result.err;
+}
+
 TEST(Program, WalkKeepsItsContract) {
   ASSERT_FALSE(available_engines().empty());
   for (const std::string& engine : available_engines()) {
