@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "physics/core/error.h"
@@ -166,6 +167,20 @@ std::vector<Candidate> best_of_fields(std::vector<Candidate> candidates,
     if (looked_at || (best.size() < most && of_field < each)) best.push_back(std::move(candidate));
   }
   return best;
+}
+
+std::size_t put_needless_pairs_last(std::vector<Candidate>& ranked, std::size_t rivals) {
+  const auto end = ranked.begin() + static_cast<std::ptrdiff_t>(rivals);
+  std::set<std::string> alone;
+  for (auto one = ranked.begin(); one != end; ++one) {
+    if (one->fields.size() == 1) alone.insert(one->fields.front());
+  }
+  const auto needless = std::stable_partition(ranked.begin(), end, [&alone](const Candidate& candidate) {
+    return candidate.fields.size() == 1 ||
+           std::ranges::none_of(candidate.fields,
+                                [&alone](const std::string& field) { return alone.contains(field); });
+  });
+  return static_cast<std::size_t>(needless - ranked.begin());
 }
 
 }  // namespace crossgait

@@ -81,4 +81,9 @@ std::vector<Candidate> best_of_fields(std::vector<Candidate> candidates,
                                       std::optional<WalkResult> Candidate::*result, std::size_t each,
                                       std::size_t most);
 
+/// Puts pairs of which one field cures alone behind the other ones of the first `rivals`, all of which cure:
+/// a change that cures alone explains what it does with any second one, too.
+/// @returns how many these others are
+std::size_t put_needless_pairs_last(std::vector<Candidate>& ranked, std::size_t rivals);
+
 }  // namespace crossgait

@@ -54,6 +54,7 @@ class WalkMeter {
   WalkMeasure measure(const VelocityCommand& asked, double seconds, bool fell) const {
     WalkMeasure m{.asked = asked};
     const double n = std::max(1, walked_), all = std::max(1, steps_);
+    m.speed = std::hypot(vx_, vy_) / n;
     m.speed_error = std::hypot(vx_ / n - asked.vx, vy_ / n - asked.vy);
     m.yaw_rate_error = std::abs(yaw_rate_ / n - asked.yaw_rate);
     m.jitter = jitters_ > 0 ? jitter_ / jitters_ : 0;

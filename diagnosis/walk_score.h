@@ -14,6 +14,7 @@ namespace crossgait {
 /// Sums up one walk: what was asked, and what came of it after the first second, in which the robot sets off.
 struct WalkMeasure {
   VelocityCommand asked;
+  double speed = 0;           ///< |mean velocity| along the ground, m/s
   double speed_error = 0;     ///< |mean velocity in the heading's frame - asked|, m/s
   double yaw_rate_error = 0;  ///< |mean yaw rate - asked|, rad/s
   double jitter = 0;          ///< mean |second difference of servo targets| over policy_dt^2, rad/s^2

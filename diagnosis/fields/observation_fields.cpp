@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <string>
+#include <string_view>
 
 #include "diagnosis/fields/changes.h"
 #include "diagnosis/fields/fields.h"
@@ -31,6 +33,9 @@ Scale scale_of_numbers(std::size_t index, std::size_t size, std::size_t begin, s
   };
 }
 
+const std::map<std::string_view, double> kUsualScales{
+    {"base_linear_velocity_local", 2}, {"base_angular_velocity_local", 0.25}, {"joint_velocities", 0.05}};
+
 // Blocks that are taken for one another.
 constexpr std::array kTwins{
     std::pair{"base_angular_velocity_local", "base_angular_velocity"},
@@ -49,7 +54,18 @@ Fields observation_scales(const Context& context) {
     const std::size_t size = size_of(context, term);
     const std::vector<double> now = each_scale(term, size);
     CandidateField field{fmt::format("observation.{}.scale", term.block), numbers_in_words(now), {}};
-    add_factors(field, scale_of_numbers(k, size, 0, size), now, {0.05, 0.25, 0.5, 2, 4, 20});
+    add_factors(field, scale_of_numbers(k, size, 0, size), now, {0.05, 0.11, 0.22, 0.5, 2, 4.5, 9, 20});
+    // What is not scaled, and obs_scales of legged_gym.
+    std::vector<double> usual{1};
+    if (const auto scale = kUsualScales.find(term.block); scale != kUsualScales.end())
+      usual.push_back(scale->second);
+    for (const double scale : usual) {
+      std::vector<double> with = now;
+      for (double& number : with) number = std::copysign(scale, number);  // signs are another field
+      if (term.block == "command" || with == now) continue;
+      field.changes.push_back(
+          {fmt::format("{:g}", scale), [k, with](EnvConfig& c) { c.observation[k].scale = with; }});
+    }
     if (term.block == "command") {
       field.from = fmt::format("{}", fmt::join(now, " "));
       add_factors(field, scale_of_numbers(k, size, 0, 2), {now[0]}, {0.5, 2}, "speeds ");

@@ -66,6 +66,18 @@ TEST(Diagnose, NamesTwoFaultsAtOnce) {
   EXPECT_EQ(found.ranking.front().field, "joints.scale + servos.kp");
 }
 
+TEST(Search, APairOfWhichOneCuresAloneStandsBehindIt) {
+  std::vector<Candidate> ranked(4);
+  ranked[0].fields = {"servos.kp", "joints.observed"};
+  ranked[1].fields = {"joints.observed"};
+  ranked[2].fields = {"joints.scale", "friction"};
+  ranked[3].fields = {"servos.kp"};  // no rival: it does not cure
+  EXPECT_EQ(put_needless_pairs_last(ranked, 3), 2U);
+  EXPECT_EQ(ranked[0].fields, (std::vector<std::string>{"joints.observed"}));
+  EXPECT_EQ(ranked[1].fields, (std::vector<std::string>{"joints.scale", "friction"}));
+  EXPECT_EQ(ranked[2].fields, (std::vector<std::string>{"servos.kp", "joints.observed"}));
+}
+
 TEST(Diagnose, AbstainsOnAPolicyThatCannotWalkUntilItsHomeEngineIsKnown) {
   DiagnosisOptions options;
   options.workers = 2;

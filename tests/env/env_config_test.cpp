@@ -7,23 +7,28 @@
 
 #include "env/env_model.h"
 #include "physics/core/error.h"
+#include "tests/physics/core/kept_inputs.h"
 
 namespace crossgait {
 namespace {
 
+/// Reads an environment, and keeps what it was read of.
+EnvConfig parsed(const std::string& text, const std::string& source = "env.yaml") {
+  keep_input("env.yaml", text);
+  return parse_env_config(text, source);
+}
+
 /// The message of the error that reading `text` gives; empty if it gives none.
 std::string complaint(const std::string& text) {
   try {
-    static_cast<void>(parse_env_config(text, "env.yaml"));
+    static_cast<void>(parsed(text, "env.yaml"));
   } catch (const ConfigError& error) {
     return error.what();
   }
   return {};
 }
 
-TEST(EnvConfig, AnEmptyFileIsTheDefault) {
-  EXPECT_EQ(to_yaml(parse_env_config("{}", "empty")), to_yaml(EnvConfig{}));
-}
+TEST(EnvConfig, AnEmptyFileIsTheDefault) { EXPECT_EQ(to_yaml(parsed("{}", "empty")), to_yaml(EnvConfig{})); }
 
 TEST(EnvConfig, ReadsBackWhatItWrites) {
   EnvConfig c;
@@ -50,7 +55,7 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   c.tilt_limit_deg = 45;
   c.terminations = OutcomeSet().add(Outcome::kDiverged).add(Outcome::kCollapsed);
   c.randomisation[Randomised::kFriction] = {0.5, 1.5};
-  const EnvConfig back = parse_env_config(to_yaml(c), "round trip");
+  const EnvConfig back = parsed(to_yaml(c), "round trip");
   EXPECT_EQ(to_yaml(back), to_yaml(c));
   for (double EnvConfig::*number :
        {&EnvConfig::physics_dt, &EnvConfig::control_dt, &EnvConfig::policy_dt, &EnvConfig::episode_seconds,
@@ -88,7 +93,7 @@ TEST(EnvConfig, ReadsBackJointActions) {
   c.observation[4].noise = 0.01;
   c.observation[5].delay = 0.02;
   c.observation[6].history = 4;
-  const EnvConfig back = parse_env_config(to_yaml(c), "round trip");
+  const EnvConfig back = parsed(to_yaml(c), "round trip");
   EXPECT_EQ(to_yaml(back), to_yaml(c));
   EXPECT_EQ(back.action, ActionKind::kJoints);
   EXPECT_EQ(back.joints, c.joints);
@@ -97,25 +102,24 @@ TEST(EnvConfig, ReadsBackJointActions) {
 }
 
 TEST(EnvConfig, ActionJointsBeginsWithWhatJointPoliciesUse) {
-  EXPECT_EQ(to_yaml(parse_env_config("action: joints\n", "env.yaml")), to_yaml(joint_environment()));
-  EXPECT_EQ(to_yaml(parse_env_config("action: gait\n", "env.yaml")), to_yaml(EnvConfig()));
+  EXPECT_EQ(to_yaml(parsed("action: joints\n", "env.yaml")), to_yaml(joint_environment()));
+  EXPECT_EQ(to_yaml(parsed("action: gait\n", "env.yaml")), to_yaml(EnvConfig()));
   EXPECT_EQ(EnvModel::make(joint_environment())->interface.observation.size(), 48U);
 }
 
 // What docs/environment.md says, written out.
 TEST(EnvConfig, ActionJointsEarnsWhatTheGuideToItSays) {
-  EXPECT_EQ(to_yaml(parse_env_config("action: joints\n", "env.yaml")),
-            to_yaml(parse_env_config(
-                "action: joints\n"
-                "joints: {scale: 0.5, limit: 1, delay: 0}\n"
-                "command: {vx: 0.3, vy: 0, yaw_rate: 0}\n"
-                "observation: [base_linear_velocity_local, base_angular_velocity_local, gravity, "
-                "joint_offsets, joint_velocities, last_action, command]\n"
-                "policy_dt: 0.02\n"
-                "reward: {velocity_tracking: 1, yaw_rate_tracking: .3, flat_orientation_l2: -2, "
-                "action_rate_l2: -.01, "
-                "foot_slip: -1, termination: -10}\n",
-                "env.yaml")));
+  EXPECT_EQ(to_yaml(parsed("action: joints\n", "env.yaml")),
+            to_yaml(parsed("action: joints\n"
+                           "joints: {scale: 0.5, limit: 1, delay: 0}\n"
+                           "command: {vx: 0.3, vy: 0, yaw_rate: 0}\n"
+                           "observation: [base_linear_velocity_local, base_angular_velocity_local, gravity, "
+                           "joint_offsets, joint_velocities, last_action, command]\n"
+                           "policy_dt: 0.02\n"
+                           "reward: {velocity_tracking: 1, yaw_rate_tracking: .3, flat_orientation_l2: -2, "
+                           "action_rate_l2: -.01, "
+                           "foot_slip: -1, termination: -10}\n",
+                           "env.yaml")));
 }
 
 TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
@@ -145,7 +149,7 @@ TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
 
 TEST(EnvConfig, AServoLawIsItsTwoNumbers) {
   const auto servos = [](const std::string& text) {
-    return parse_env_config("servos: {" + text + "}\n", "env.yaml").servos;
+    return parsed("servos: {" + text + "}\n", "env.yaml").servos;
   };
   EXPECT_EQ(servos("law: drive"), servos("implicit_stiffness: 1, implicit_damping: 1"));
   EXPECT_EQ(servos("law: damping"), servos("implicit_stiffness: 0, implicit_damping: 1"));
@@ -159,7 +163,7 @@ TEST(EnvConfig, AServoLawIsItsTwoNumbers) {
 }
 
 TEST(EnvConfig, WhatComesOnTopReplacesKeyByKey) {
-  const EnvConfig base = parse_env_config(
+  const EnvConfig base = parsed(
       "robot: serial_quadruped\naction: joints\njoints: {scale: .3, limit: 2}\nreward: {termination: -1}\n",
       "env.yaml");
   EnvConfig expected = base;
@@ -186,45 +190,44 @@ TEST(EnvConfig, WhatComesOnTopReplacesKeyByKey) {
 }
 
 TEST(EnvConfig, TheEngineMayGoByItsOldKey) {
-  EXPECT_EQ(parse_env_config("engine: bullet\n", "env.yaml").engine, "bullet");
-  EXPECT_EQ(parse_env_config("engine: bullet\n", "env.yaml").engine, "bullet");
+  EXPECT_EQ(parsed("engine: bullet\n", "env.yaml").engine, "bullet");
+  EXPECT_EQ(parsed("engine: bullet\n", "env.yaml").engine, "bullet");
 }
 
 TEST(EnvConfig, DivergenceEndsAnEpisodeWhateverIsAskedFor) {
-  const OutcomeSet terminations = parse_env_config("terminations: [fell]\n", "env.yaml").terminations;
+  const OutcomeSet terminations = parsed("terminations: [fell]\n", "env.yaml").terminations;
   EXPECT_EQ(terminations, OutcomeSet().add(Outcome::kFell).add(Outcome::kDiverged));
-  EXPECT_EQ(parse_env_config("terminations: []\n", "env.yaml").terminations,
-            OutcomeSet().add(Outcome::kDiverged));
-  EXPECT_EQ(parse_env_config("{}", "env.yaml").terminations, OutcomeSet::of_episodes());
+  EXPECT_EQ(parsed("terminations: []\n", "env.yaml").terminations, OutcomeSet().add(Outcome::kDiverged));
+  EXPECT_EQ(parsed("{}", "env.yaml").terminations, OutcomeSet::of_episodes());
 }
 
 TEST(EnvConfig, AGaitBringsItsPreferredParameters) {
-  const EnvConfig c = parse_env_config("gait: gallop\nparameters: {step_length: .07}\n", "env.yaml");
+  const EnvConfig c = parsed("gait: gallop\nparameters: {step_length: .07}\n", "env.yaml");
   const GaitParameters p = EnvModel::make(c)->parameters;
   EXPECT_EQ(p.cycle_time, find_gait("gallop").preferred.cycle_time);
   EXPECT_EQ(p.step_length, 0.07);
 }
 
 TEST(EnvConfig, ThePresetOfTheGuideIsABeginning) {
-  const EnvConfig guide = parse_env_config("preset: guide\n", "env.yaml");
+  const EnvConfig guide = parsed("preset: guide\n", "env.yaml");
   EXPECT_EQ(to_yaml(guide), to_yaml(guide_environment()));
   EXPECT_EQ(guide.gait, "trot:guide");
   const GaitParameters of_guide = EnvModel::make(guide)->parameters;
   EXPECT_EQ(of_guide.cycle_time, 0.8);
   EXPECT_EQ(guide.adaptation, guide_ranges());
   const EnvConfig changed =
-      parse_env_config("parameters: {step_length: .05}\npreset: guide\nheading_hold: false\n", "env.yaml");
+      parsed("parameters: {step_length: .05}\npreset: guide\nheading_hold: false\n", "env.yaml");
   const GaitParameters p = EnvModel::make(changed)->parameters;
   EXPECT_EQ(p.step_length, 0.05);
   EXPECT_EQ(p.body_height, of_guide.body_height);
   EXPECT_TRUE(guide.heading_hold);
   EXPECT_FALSE(changed.heading_hold);
-  EXPECT_FALSE(parse_env_config(to_yaml(changed), "env.yaml").heading_hold);
-  EXPECT_EQ(parse_env_config(to_yaml(guide), "env.yaml").adaptation, guide_ranges());
+  EXPECT_FALSE(parsed(to_yaml(changed), "env.yaml").heading_hold);
+  EXPECT_EQ(parsed(to_yaml(guide), "env.yaml").adaptation, guide_ranges());
 }
 
 TEST(EnvConfig, AGivenRewardIsTheWholeReward) {
-  const EnvConfig c = parse_env_config("reward: {alive: 1}\n", "env.yaml");
+  const EnvConfig c = parsed("reward: {alive: 1}\n", "env.yaml");
   RewardTerms expected{};
   expected[find_reward_term("alive")] = 1;
   EXPECT_EQ(c.reward, expected);
@@ -288,7 +291,7 @@ TEST(EnvConfig, ReadsBackSeedsAndNamesOfEveryKind) {
     c.robot = "/models/" + name + ".yaml";
     c.terrain = "/models/" + name + ".png:z_max=1";
     c.engine = name;
-    const EnvConfig back = parse_env_config(to_yaml(c), "round trip");
+    const EnvConfig back = parsed(to_yaml(c), "round trip");
     EXPECT_EQ(back.robot, c.robot);
     EXPECT_EQ(back.terrain, c.terrain);
     EXPECT_EQ(back.engine, c.engine);
@@ -301,28 +304,26 @@ TEST(EnvConfig, ReadsBackItsRanges) {
   c.adaptation.ranges["cycle_time"] = {0.15, 0.8};
   c.adaptation.ranges["step_length"] = {0.01, 0.1 / 3};
   c.adaptation.delta_scales["cycle_time"] = 0.02;
-  EXPECT_EQ(parse_env_config(to_yaml(c), "round trip").adaptation, c.adaptation);
+  EXPECT_EQ(parsed(to_yaml(c), "round trip").adaptation, c.adaptation);
   EXPECT_EQ(to_yaml(EnvConfig{}).find("ranges"), std::string::npos);
 }
 
 TEST(EnvConfig, FindsFilesFromItsOwnFolder) {
-  const EnvConfig c =
-      parse_env_config("robot: my/robot.yaml\nterrain: ../maps/hill.png:z_max=1\n", "lab/env/e.yaml");
+  const EnvConfig c = parsed("robot: my/robot.yaml\nterrain: ../maps/hill.png:z_max=1\n", "lab/env/e.yaml");
   EXPECT_EQ(c.robot, "lab/env/my/robot.yaml");
   EXPECT_EQ(c.terrain, "lab/maps/hill.png:z_max=1");
-  const EnvConfig named =
-      parse_env_config("robot: scara_quadruped_long\nterrain: rough:seed=3\n", "lab/e.yaml");
+  const EnvConfig named = parsed("robot: scara_quadruped_long\nterrain: rough:seed=3\n", "lab/e.yaml");
   EXPECT_EQ(named.robot, "scara_quadruped_long");
   EXPECT_EQ(named.terrain, "rough:seed=3");
-  EXPECT_EQ(parse_env_config("terrain: /maps/hill.csv\n", "lab/e.yaml").terrain, "/maps/hill.csv");
+  EXPECT_EQ(parsed("terrain: /maps/hill.csv\n", "lab/e.yaml").terrain, "/maps/hill.csv");
   // Written with the whole path, it may be kept anywhere.
-  const std::filesystem::path whole = parse_env_config(to_yaml(c), "elsewhere/e.yaml").robot;
+  const std::filesystem::path whole = parsed(to_yaml(c), "elsewhere/e.yaml").robot;
   EXPECT_EQ(whole, std::filesystem::current_path() / "lab/env/my/robot.yaml");
 }
 
 TEST(EnvConfig, WhatIsWrongWithAFileThatItNamesIsSaidAtItsLine) {
   const auto element = [](const std::string& text, const std::function<void(EnvConfig&)>& change = {}) {
-    EnvConfig c = parse_env_config(text, "lab/e.yaml");
+    EnvConfig c = parsed(text, "lab/e.yaml");
     if (change) change(c);
     try {
       static_cast<void>(EnvModel::make(c));
@@ -343,9 +344,9 @@ TEST(EnvConfig, EnginesOfAnyNameReadBack) {
   for (char c = ' '; c <= '~'; ++c) {
     EnvConfig config;
     config.engine = std::string("a") + c + "b";
-    EXPECT_EQ(parse_env_config(to_yaml(config), "round trip").engine, config.engine);
+    EXPECT_EQ(parsed(to_yaml(config), "round trip").engine, config.engine);
     config.engine = std::string(1, c) + "b";
-    EXPECT_EQ(parse_env_config(to_yaml(config), "round trip").engine, config.engine);
+    EXPECT_EQ(parsed(to_yaml(config), "round trip").engine, config.engine);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "gait/adaptive_gait_controller.h"
 #include "physics/core/yaml_reader.h"
 #include "tests/physics/core/config_error.h"
+#include "tests/physics/core/kept_inputs.h"
 #include "tests/policy/policy_interfaces.h"
 
 namespace crossgait {
@@ -17,8 +18,9 @@ using policy_tests::small_interface;
 
 std::unique_ptr<Policy> parse(const std::string& steps,
                               const PolicyInterface& interface = small_interface()) {
-  return load_scripted_policy(YamlValue::parse("kind: scripted\nsteps: " + steps, "folder/script.yaml"))(
-      interface);
+  const std::string text = "kind: scripted\nsteps: " + steps;
+  keep_input("policy.yaml", text);
+  return load_scripted_policy(YamlValue::parse(text, "folder/script.yaml"))(interface);
 }
 
 std::vector<double> act_at(Policy& policy, double step_height = 0) {

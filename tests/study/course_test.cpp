@@ -10,6 +10,7 @@
 #include "env/env_model.h"
 #include "physics/core/error.h"
 #include "physics/robot_files/data_path.h"
+#include "tests/physics/core/kept_inputs.h"
 #include "tests/support/engine_test.h"
 
 namespace crossgait {
@@ -37,6 +38,7 @@ EpisodeSummary made(double distance_m) {
 
 ConfigError refused(const std::string& text) {
   const std::string file = "refused_course.yaml";
+  keep_input("course.yaml", text);
   std::ofstream(file) << text;
   try {
     load_course(file);

@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "tests/physics/core/kept_inputs.h"
+
 namespace crossgait {
 
 /// Gives a test an empty folder that is removed afterwards.
@@ -27,6 +29,7 @@ class ScratchFolder : public ::testing::Test {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   std::string write(const std::string& name, std::string_view bytes) const {
+    keep_input(name, bytes);
     std::ofstream(path(name), std::ios::binary) << bytes;
     return path(name);
   }

@@ -10,6 +10,7 @@
 
 #include "physics/core/text.h"
 #include "physics/robot/robot.h"
+#include "tests/physics/core/kept_inputs.h"
 
 namespace crossgait {
 
@@ -34,6 +35,7 @@ class ScratchRobot {
 
   std::string path(const std::string& file) const { return (folder_ / file).string(); }
   void write(const std::string& file, const std::string& text) const {
+    keep_input(file, text);
     std::ofstream(folder_ / file, std::ios::binary) << text;
   }
   /// Replaces the first occurrence of `from`, which has to be there.
