@@ -14,6 +14,7 @@ namespace crossgait {
 namespace {
 
 constexpr int kMaxIterations = 60;
+constexpr double kAside = 0.02;     // sine of a hip axis' slope, that of files of two decimals
 constexpr double kStraight = 0.05;  // rad, bend of a knee that does not tell its side
 
 std::size_t slot(int i) { return static_cast<std::size_t>(i); }
@@ -286,8 +287,11 @@ LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot
   }
   g.knee = joints.ankle == -1 ? -1 : g.count - 2;
   // The links are still placed in the base frame.
-  const PlacedChain zero = place_chain(g, LegJointAngles::Zero());
   const auto hip = slot(chain.hip);
+  PlacedChain zero = place_chain(g, LegJointAngles::Zero());
+  // Files may have a leg aside at zero angles: its frame is that of the leg upright.
+  if (chain.hip == 1 && std::abs(zero.axes[1].z()) > kAside)
+    zero = place_chain(g, {levelling_angle(zero.axes[0], zero.axes[1]), 0, 0});
   g.p_BL = zero.origins[hip] + zero.axes[hip] * zero.axes[hip].dot(zero.foot - zero.origins[hip]);
   g.links[0].p -= g.p_BL;
 

@@ -24,7 +24,8 @@ using LegJointAngles = Vector3;
 
 struct LeastSquaresLegGeometry {
   /// Origin of the leg frame in the base frame, m: the point of the hip axis nearest to the foot at zero
-  /// angles. For legs that the closed form covers it is the same point.
+  /// angles, the abduction such that this axis is level. For legs that the closed form covers it is the same
+  /// point.
   Vector3 p_BL = Vector3::Zero();
   int count = 3;  ///< joints, 2 to 4: servos, then those that follow
   int knee = -1;  ///< place of the knee; -1: it is the last one

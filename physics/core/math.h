@@ -52,5 +52,8 @@ inline Vector3 in_heading_frame(const Vector3& v_W, double yaw) {
 }
 /// Returns the least rotation that takes z to `axis` (unit); about x where that is -z.
 Quaternion rotation_of_z_to(const Vector3& axis);
+/// Returns the angle nearest to zero (rad) about the unit vector `axis` that makes the unit vector `v`
+/// horizontal, as near as it gets.
+double levelling_angle(const Vector3& axis, const Vector3& v);
 
 }  // namespace crossgait

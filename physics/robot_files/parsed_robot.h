@@ -61,6 +61,8 @@ struct ParsedRobot {
   std::optional<Softness> loop_softness;  ///< of all of them
   std::map<std::string, double> home;     ///< angles by joint, rad; empty if not given
   std::string home_name;                  ///< of the pose, for people
+  /// Angles at which the file has its bodies, rad, by joint: of those that are not there zero (MJCF's `ref`).
+  std::map<std::string, double> drawn_at;
   /// Where a joint's numbers come from, by joint and number, where the number itself does not say it.
   std::map<std::string, std::map<std::string, std::string>> reasons;
   /// Speeds that the file lets joints have, rad/s, by joint; nothing is simulated by them.

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/registry.h"
+#include "ik/leg_kinematics.h"
 #include "motion/gait_source.h"
 #include "motion/walk.h"
 #include "physics/robot_files/mjcf/mjcf_model.h"
@@ -280,6 +281,31 @@ TEST_F(MjcfReader, WhatCollidesIsFeltAndGroupsZeroToTwoAreSeen) {
   EXPECT_NEAR(thigh.visuals[2].size[1], 0.1, 1e-15);
 }
 
+// `ref` is the angle that a joint has as the file draws it: the same robot, counted otherwise.
+TEST_F(MjcfReader, ARobotDrawnWithItsLegsAsideIsTheSame) {
+  const auto loaded = [this](const std::string& from, const std::string& to) {
+    const std::filesystem::path own(kOwnMjcf);
+    write("legs.xml", read((own.parent_path() / "legs.xml").string()));
+    std::string text = read(kOwnMjcf);
+    text.replace(text.find(from), from.size(), to);
+    return load_robot_with_report(write("robot.xml", text));
+  };
+  const std::string range = R"(<joint axis="1 0 0" range="-0.85 0.85"/>)";
+  const auto [plain, report] = loaded(range, range);
+  const auto [counted, of_counted] = loaded(range, R"(<joint axis="1 0 0" range="-0.55 1.15" ref="0.3"/>)");
+  EXPECT_TRUE(of_counted.R_BA.isApprox(report.R_BA));
+  EXPECT_NEAR(counted.home_height, plain.home_height, 1e-9);
+  const LegArray<Vector3> origins = leg_origins(plain), others = leg_origins(counted);
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*plain.legs)[leg];
+    for (const char* role : {"abduction", "hip", "knee"}) {
+      const double more = std::string(role) == "abduction" ? 0.3 : 0;
+      EXPECT_NEAR(counted.home[model.joint(role)], plain.home[model.joint(role)] + more, 1e-9) << role;
+    }
+    EXPECT_LT((origins[leg] - others[leg]).norm(), 1e-9);
+  }
+}
+
 constexpr const char* kTwoActuators = R"(<actuator>
   <position name="p" joint="FL_hip" kp="20" gear="2" forcerange="-5 8"/>
   <position name="q" joint="FR_hip" kp="30"/>
@@ -303,7 +329,7 @@ TEST_F(MjcfReader, ActuatorsAreServosAndTorquesBehindTheirGears) {
   EXPECT_EQ(joint("RL_thigh").kd, 3);
   EXPECT_EQ(joint("RL_shin").effort_limit, 0);
   EXPECT_TRUE(warns(robot.warnings, "did not keep the lag of 0.1 s and the delay of 0 s of 1 motor(s)"));
-  EXPECT_TRUE(warns(robot.warnings, "ignored 1 <muscle> in <actuator>"));
+  EXPECT_TRUE(warns(robot.warnings, "ignored the force of 1 <muscle>, neither motor nor servo of a joint"));
 }
 
 TEST_F(MjcfReader, AServosGainsAreTheFilesOrFollowFromThem) {

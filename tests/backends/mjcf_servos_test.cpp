@@ -122,6 +122,52 @@ TEST_F(MjcfServos, ClassesAreOneSetOfSettingsForAllKinds) {
       7);
 }
 
+// As MuJoCo 3.3 and 4.0 have it.
+TEST_F(MjcfServos, GainsPassByElementsOfOtherKindsInTheClassesBetween) {
+  const auto nested = [](const std::string& outer, const std::string& inner) {
+    return R"(<default class="p">)" + outer + R"(<default class="c">)" + inner + "</default></default>";
+  };
+  const std::string position = R"(<position class="c" joint="FL_hip"/>)",
+                    velocity = R"(<velocity class="c" joint="FL_hip"/>)";
+  const std::string servo = R"(<position kp="60" kv="4" timeconst=".02"/>)";
+  for (const char* between : {R"(<motor forcerange="-7 7"/>)", R"(<velocity kv="9" forcerange="-7 7"/>)"}) {
+    const Joint joint = hip(position, "", nested(servo, between));
+    EXPECT_EQ(joint.kp, 60);
+    EXPECT_EQ(joint.kd, 4);
+    EXPECT_EQ(joint.lag, 0.02);
+    EXPECT_EQ(joint.effort_limit, 7);
+  }
+  const std::string general =
+      R"(<general gainprm="30" biastype="affine" biasprm="0 -30 -2" dyntype="filter"/>)";
+  EXPECT_EQ(hip(velocity, "", nested(general, R"(<motor gear="1"/>)")).kd, 30);
+  EXPECT_EQ(hip(position, "", nested(general, R"(<motor gear="1"/>)")).lag, 0);
+  EXPECT_EQ(hip(velocity, "", nested(servo, R"(<motor gear="1"/>)")).kd, 1);
+  // Within one class they do not.
+  EXPECT_EQ(hip(position, "", R"(<default class="c"><position kp="60"/><motor gear="1"/></default>)").kp, 1);
+}
+
+TEST_F(MjcfServos, WhatIsNoServoStillAddsToItsJoint) {
+  const Joint joint = hip(R"(<position joint="FL_hip" kp="60"/>
+                             <damper joint="FL_hip" kv=".5" ctrlrange="0 2" gear="2" armature=".01" damping=".3"/>
+                             <cylinder joint="FL_hip" area="1" armature=".02"/>)");
+  EXPECT_DOUBLE_EQ(joint.armature, 0.06);
+  EXPECT_DOUBLE_EQ(joint.damping, 1.2);
+  EXPECT_EQ(joint.kp, 60);
+  EXPECT_TRUE(warned("ignored the force of 1 <damper>, neither motor nor servo of a joint, first in damper"));
+  EXPECT_TRUE(warned("kv=\".5\""));
+  EXPECT_TRUE(warned("ignored the force of 1 <cylinder>"));
+}
+
+TEST_F(MjcfServos, ServosOfOneJointWithFiltersOfTheirOwnAreSaid) {
+  EXPECT_EQ(
+      hip(R"(<position joint="FL_hip" kp="40" timeconst=".02"/><position joint="FL_hip" kp="20"/>)").lag,
+      0.02);
+  EXPECT_TRUE(
+      warned("1 joint(s) have several servos, all of which get the lag and delay of one: 'FL_hip' 0.02 s"));
+  EXPECT_EQ(hip(R"(<position joint="FL_hip" kp="40" timeconst=".02"/>)").lag, 0.02);
+  EXPECT_FALSE(warned("several servos"));
+}
+
 TEST_F(MjcfServos, DampingIsTheSameInEverySpelling) {
   EXPECT_EQ(hip(R"(<position joint="FL_hip" kp="60" kv="4"/>)").kd, 4);
   EXPECT_EQ(hip(R"(<general joint="FL_hip" gainprm="60" biastype="affine" biasprm="0 -60 -4"/>)").kd, 4);

@@ -19,22 +19,11 @@
 namespace crossgait {
 namespace {
 
-constexpr double kTurn = 2 * M_PI;
 constexpr double kMostForward = 0.15;  // of thigh and shin
 
 /// From u to v about the unit vector `axis`, both across it, rad.
 double turn_between(const Vector3& u, const Vector3& v, const Vector3& axis) {
   return std::atan2(axis.dot(u.cross(v)), u.dot(v));
-}
-
-/// The angle nearest to zero about `axis` that makes the unit vector `v` horizontal, as near as it gets.
-double levelling_angle(const Vector3& axis, const Vector3& v) {
-  // Rodrigues: z of v turned is A cos + B sin + C.
-  const double C = axis.dot(v) * axis.z(), A = v.z() - C, B = axis.cross(v).z(), size = std::hypot(A, B);
-  if (size < 1e-9) return 0;  // it stays where it is
-  const double middle = std::atan2(B, A), half = std::acos(std::clamp(-C / size, -1.0, 1.0));
-  const double a = std::remainder(middle + half, kTurn), b = std::remainder(middle - half, kTurn);
-  return std::abs(a) < std::abs(b) ? a : b;
 }
 
 /// A serial leg in the plane across its hip's axis, the abduction held.

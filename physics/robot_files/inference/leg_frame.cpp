@@ -14,6 +14,7 @@ namespace {
 
 // Axes this near to a direction count as along it: files written with two or three decimals are.
 constexpr double kAxisRounding = 0.02;
+constexpr double kLeastThigh = 0.1;     // of the diagonal of the hips: below it nothing is above or below
 constexpr double kAboutVertical = 0.8;  // cosine: joints that turn a leg about the vertical, to 37 degrees
 
 using Names = std::array<std::optional<Leg>, kLegCount>;
@@ -57,6 +58,11 @@ class FrameOfLegs {
     const bool is_sprawling = std::ranges::all_of(
         first_axes_, [&](const Vector3& axis) { return std::abs(axis.dot(normal)) > kAboutVertical; });
     if (is_sprawling) return sprawling(normal, inferred);
+    if (std::abs(std::abs(lateral_.y()) - 1) < kAxisRounding && knees_are_above()) {
+      return told(Vector3::UnitX(), -Vector3::UnitY(),
+                  "knees turn about y and lie above the hips: z points down; the sign of forward is a guess",
+                  inferred);
+    }
     if (std::abs(std::abs(lateral_.y()) - 1) < kAxisRounding) {
       inferred.push_back({"frame", "x forward, y left, z up", "knees turn about y, as REP-103 has it"});
       return Matrix3::Identity();
@@ -71,6 +77,19 @@ class FrameOfLegs {
   }
 
  private:
+  /// Whether knees lie up z from where legs begin, more than aside.
+  bool knees_are_above() const {
+    const Vector3 to_knees = knees_middle_ - hips_middle_;
+    return to_knees.z() > std::max(to_knees.head<2>().norm(), kLeastThigh * spread_of_hips());
+  }
+
+  /// The diagonal of the box around where legs begin, m.
+  double spread_of_hips() const {
+    Vector3 low = hips_.front(), high = hips_.front();
+    for (const Vector3& hip : hips_) low = low.cwiseMin(hip), high = high.cwiseMax(hip);
+    return (high - low).norm();
+  }
+
   /// Legs that turn about the normal of the hips' plane first: their knees say nothing of forward.
   Matrix3 sprawling(const Vector3& normal, std::vector<Inference>& inferred) const {
     if (std::abs(std::abs(normal.z()) - 1) < kAxisRounding) {

@@ -9,8 +9,13 @@ namespace crossgait {
 
 JointTree::JointTree(const ParsedRobot& robot)
     : robot_(robot), poses_(robot.bodies.size(), Pose::Identity()) {
-  for (std::size_t i = 1; i < robot.bodies.size(); ++i)
-    poses_[i] = poses_[static_cast<std::size_t>(robot.bodies[i].parent)] * robot.bodies[i].X_PB;
+  for (std::size_t i = 1; i < robot.bodies.size(); ++i) {
+    const Body& body = robot.bodies[i];
+    poses_[i] = poses_[static_cast<std::size_t>(body.parent)] * body.X_PB;
+    const auto angle = robot.drawn_at.find(body.joint.name);
+    if (angle != robot.drawn_at.end())
+      poses_[i] = poses_[i] * Eigen::AngleAxisd(angle->second, body.joint.axis);
+  }
   for (const Body& body : robot.bodies) follows_.push_back(crossgait::follows(robot, body.joint.name));
   is_moved_by_loop_.resize(robot.bodies.size(), false);
   find_twigs();

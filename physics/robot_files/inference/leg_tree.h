@@ -1,4 +1,4 @@
-// The moving joints of a robot's file at zero angles, and the chains that they make. Private to inference.
+// The moving joints of a robot's file as it has them, and the chains that they make. Private to inference.
 #pragma once
 
 #include <optional>
@@ -16,10 +16,10 @@ struct JointChain {
   int tips = 1;             ///< bodies of it on which nothing hangs: of a chain one
 };
 
-/// Says where the joints are and point, in the base frame of the file, all angles being zero. Left out of
-/// branches and ends are twigs: bodies that hang on a chain beside its next one and follow its joints, and
-/// bars, which a loop joins to it. Of the two ways around a loop the bar is the one that does not reach as
-/// far.
+/// Says where the joints are and point, in the base frame of the file, at the angles at which the file has
+/// its bodies: zero unless it says otherwise. Left out of branches and ends are twigs: bodies that hang on a
+/// chain beside its next one and follow its joints, and bars, which a loop joins to it. Of the two ways
+/// around a loop the bar is the one that does not reach as far.
 class JointTree {
  public:
   explicit JointTree(const ParsedRobot& robot);

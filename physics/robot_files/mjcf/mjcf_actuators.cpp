@@ -47,15 +47,12 @@ class ActuatorReader {
  public:
   explicit ActuatorReader(bool autolimits) : autolimits_(autolimits) {}
 
+  /// From now on elements are those of a class within that of the last ones.
+  void enter_class() { outer_.push_back(settings_); }
+
   void apply(const MjcfElement& e) {
     read_common(e);
-    // Gains go from one element to the next of its kind, and from and to <general>; dynamics not even so.
-    const bool other = settings_.kind != e.tag && e.tag != "general";
-    if (other && settings_.kind != "general") {
-      settings_.gain_type = "fixed", settings_.bias_type = "none";
-      settings_.gain = {1, 0, 0}, settings_.bias = {};
-    }
-    if (other) settings_.dynamics = "none";
+    if (e.tag != "general" && settings_.kind != e.tag) take_law_for(e.tag);
     settings_.kind = e.tag;
     if (e.tag == "motor") {
       settings_.gain_type = "fixed", settings_.bias_type = settings_.dynamics = "none";
@@ -72,6 +69,12 @@ class ActuatorReader {
     } else {
       apply_general(e);
     }
+  }
+
+  /// Reads what an actuator of any kind adds to its joint whatever commands it.
+  void apply_mechanics(const MjcfElement& e) {
+    read(e, "gear", settings_.gear, true);
+    read(e, "armature", settings_.armature), read(e, "damping", settings_.damping, true);
   }
 
   MjcfActuator result() const {
@@ -98,6 +101,19 @@ class ActuatorReader {
   }
 
  private:
+  /// Gains go from one element to the next of its kind, and from and to <general>. What comes behind another
+  /// kind has those of the nearest class around that ended with either; dynamics of its own kind alone.
+  void take_law_for(std::string_view kind) {
+    const auto fits = [kind](const Settings& s) { return s.kind == kind || s.kind == "general"; };
+    const Settings usual;
+    const auto around = std::find_if(outer_.rbegin(), outer_.rend(), fits);
+    const Settings law = fits(settings_) ? settings_ : around == outer_.rend() ? usual : *around;
+    settings_.gain_type = law.gain_type, settings_.bias_type = law.bias_type;
+    settings_.gain = law.gain, settings_.bias = law.bias;
+    settings_.dynamics = law.kind == kind ? law.dynamics : "none";
+    if (law.kind == kind) settings_.time_constant = law.time_constant;
+  }
+
   static void read(const MjcfElement& e, std::string_view name, double& value, bool first_of_many = false) {
     if (e.has(name)) value = mjcf_numbers(e, name, 1, first_of_many ? 16 : 1)[0];
   }
@@ -126,12 +142,11 @@ class ActuatorReader {
 
   void read_common(const MjcfElement& e) {
     Settings& s = settings_;
-    read(e, "gear", s.gear, true);
+    apply_mechanics(e);
     read(e, "ctrllimited", s.control_limited), read(e, "ctrlrange", s.control);
     read(e, "forcelimited", s.force_limited), read(e, "forcerange", s.force);
     read(e, "actlimited", s.activation_limited), read(e, "actrange", s.activation);
-    read(e, "delay", s.delay), read(e, "armature", s.armature);
-    read(e, "damping", s.damping, true);
+    read(e, "delay", s.delay);
     if (e.has("inheritrange") && e.has("ctrlrange")) fail_at(e, "either ctrlrange or inheritrange", "both");
     // An inherited range is one of position actuators, and what else says a range does not take it away.
     if (e.has("ctrlrange") && (e.tag == "position" || e.tag == "intvelocity")) s.inherit = 0;
@@ -173,6 +188,7 @@ class ActuatorReader {
   }
 
   Settings settings_;
+  std::vector<Settings> outer_;  ///< what the classes around ended with, innermost last
   bool autolimits_;
 };
 
@@ -219,9 +235,12 @@ std::vector<MjcfActuator> take_actuators(MjcfDocument& document, const MjcfDefau
     const auto known = classes.find(name);
     if (known != classes.end()) return known->second;
     ActuatorReader reader(autolimits);
-    for (const MjcfElement* layer : defaults.sections(name)) {
-      for (const MjcfElement& e : layer->children) {
-        if (is_one_of(kOfJoints, e.tag)) reader.apply(e);
+    for (const std::vector<const MjcfElement*>& of_one : defaults.sections_by_class(name)) {
+      reader.enter_class();
+      for (const MjcfElement* section : of_one) {
+        for (const MjcfElement& e : section->children) {
+          if (is_one_of(kOfJoints, e.tag)) reader.apply(e);
+        }
       }
     }
     return classes.emplace(name, reader).first->second;
@@ -230,7 +249,8 @@ std::vector<MjcfActuator> take_actuators(MjcfDocument& document, const MjcfDefau
     if (section.tag != "actuator") continue;
     for (const MjcfElement& e : section.children) {
       const std::string_view joint = e.attribute(e.has("joint") ? "joint" : "jointinparent");
-      if (!is_one_of(kOfJoints, e.tag) || joint.empty()) {
+      const bool is_read = is_one_of(kOfJoints, e.tag);
+      if (joint.empty() || !(is_read || is_one_of(kOthers, e.tag))) {
         warnings.ignore_element(fmt::format("<{}> in <actuator>", e.tag), mjcf_place(e, document.path()),
                                 held_numbers(e));
         continue;
@@ -238,11 +258,13 @@ std::vector<MjcfActuator> take_actuators(MjcfDocument& document, const MjcfDefau
       if (!defaults.has(e.attribute("class")))
         fail_at(e, "a class of <default>", fmt::format("'{}'", printable_text(e.attribute("class"), 200)));
       ActuatorReader reader = of_class(e.attribute("class"));
-      reader.apply(e);
-      count_unknown(e, document.path(), warnings);
+      is_read ? reader.apply(e) : reader.apply_mechanics(e);
+      if (is_read) count_unknown(e, document.path(), warnings);
       MjcfActuator actuator = reader.result();
+      if (!is_read) actuator.kind = MjcfActuatorKind::kOther;
       actuator.name = e.attribute("name"), actuator.joint = joint;
-      actuator.place = mjcf_place(e, document.path());
+      actuator.tag = e.tag, actuator.place = mjcf_place(e, document.path());
+      actuator.numbers = held_numbers(e).text();
       actuators.push_back(std::move(actuator));
     }
   }

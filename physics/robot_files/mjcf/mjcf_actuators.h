@@ -25,7 +25,7 @@ using MjcfRange = std::array<double, 2>;
 /// q, and a force f a torque g f (MuJoCo manual, "Actuation model").
 struct MjcfActuator {
   std::string name, joint;
-  std::string place;  ///< for messages
+  std::string tag, place, numbers;  ///< for messages: "position", "position 'p' (line 7)", what it says
   MjcfActuatorKind kind = MjcfActuatorKind::kMotor;
   double gear = 1, gain = 1;
   std::array<double, 3> bias{};      ///< bias[2] > 0 where gain = -bias[1]: a damping ratio
@@ -41,7 +41,7 @@ struct MjcfActuator {
 };
 
 /// Reads the actuators of joints in the order of the file, and takes all actuators out of the document and
-/// out of its classes. The others are counted by their kinds.
+/// out of its classes. Those of anything else are counted by their kinds.
 /// @throws ConfigError naming the element
 std::vector<MjcfActuator> take_actuators(MjcfDocument& document, const MjcfDefaults& defaults,
                                          ReaderWarnings& warnings);

@@ -66,14 +66,20 @@ void MjcfDefaults::for_each_outwards(std::string_view name, const Visit& visit) 
   }
 }
 
-std::vector<const MjcfElement*> MjcfDefaults::sections(std::string_view name) const {
-  std::vector<const MjcfElement*> inner_first;
+std::vector<std::vector<const MjcfElement*>> MjcfDefaults::sections_by_class(std::string_view name) const {
+  std::vector<std::vector<const MjcfElement*>> inner_first;
   for_each_outwards(name, [&](const Class& known) {
-    for (auto section = known.sections.rbegin(); section != known.sections.rend(); ++section)
-      inner_first.push_back(&*section);
+    std::vector<const MjcfElement*>& own = inner_first.emplace_back();
+    for (const MjcfElement& section : known.sections) own.push_back(&section);
     return false;
   });
   return {inner_first.rbegin(), inner_first.rend()};
+}
+
+std::vector<const MjcfElement*> MjcfDefaults::sections(std::string_view name) const {
+  std::vector<const MjcfElement*> all;
+  for (const auto& of_one : sections_by_class(name)) all.insert(all.end(), of_one.begin(), of_one.end());
+  return all;
 }
 
 const MjcfElement* MjcfDefaults::find(const MjcfElement& element, std::string_view class_name,

@@ -26,7 +26,10 @@ class MjcfDefaults {
   ~MjcfDefaults() = default;
 
   bool has(std::string_view name) const { return classes_.contains(name); }
-  /// Lists the sections that apply to a class, outermost first. @param name  "": that of all elements
+  /// Lists the sections that apply to a class, class by class, outermost first.
+  /// @param name  "": that of all elements
+  std::vector<std::vector<const MjcfElement*>> sections_by_class(std::string_view name) const;
+  /// Lists them all, outermost first.
   std::vector<const MjcfElement*> sections(std::string_view name) const;
   /// Finds the element that says an attribute: the element itself, or one of its kind in its class or in a
   /// class around that one. @param class_name  of the element  @returns null if none does

@@ -40,10 +40,11 @@ class Driver {
          ReaderWarnings& warnings)
       : model_(model), robot_(robot), warnings_(warnings) {
     for (const MjcfActuator& actuator : actuators) {
+      all_of_joint_[actuator.joint].push_back(&actuator);
       if (actuator.kind == MjcfActuatorKind::kOther || actuator.bias[1] > 0) {
-        warnings.count("ignored ", " actuator(s) that are neither motors nor servos of a joint",
-                       fmt::format("{}: gain {:g}, bias {:g}", actuator.place, actuator.gain,
-                                   fmt::join(actuator.bias, " ")));
+        warnings.count("ignored the force of ",
+                       fmt::format(" <{}>, neither motor nor servo of a joint", actuator.tag),
+                       actuator.place + actuator.numbers);
       } else {
         of_joint_[actuator.joint].push_back(&actuator);
       }
@@ -52,13 +53,16 @@ class Driver {
 
   void drive(const MjcfJointForces& forces) {
     for (Body& body : robot_.bodies) {
-      for (const MjcfActuator* actuator : actuators_of(body.joint)) add_mechanics(*actuator, body.joint);
+      const auto all = all_of_joint_.find(body.joint.name);
+      if (all == all_of_joint_.end()) continue;
+      for (const MjcfActuator* actuator : all->second) add_mechanics(*actuator, body.joint);
     }
     const Eigen::VectorXd inertias = reflected_inertias();
     for (std::size_t i = 1; i < robot_.bodies.size(); ++i) {
       Joint& joint = robot_.bodies[i].joint;
       for (const MjcfActuator* actuator : actuators_of(joint))
         add_servo(*actuator, inertias[static_cast<Eigen::Index>(i) - 1], joint);
+      warn_of_unlike_filters(joint);
       set_effort(forces, joint);
       set_targets(joint);
     }
@@ -134,6 +138,16 @@ class Driver {
           " actuator(s)", a.place);
     joint.lag = std::max(joint.lag, a.lag);
     joint.delay = std::max(joint.delay, a.delay);
+  }
+
+  void warn_of_unlike_filters(const Joint& joint) {
+    const auto& actuators = actuators_of(joint);
+    const bool unlike = std::ranges::any_of(actuators, [&joint](const MjcfActuator* a) {
+      return a->is_position() && (a->lag != joint.lag || a->delay != joint.delay);
+    });
+    if (unlike)
+      warnings_.list(" joint(s) have several servos, all of which get the lag and delay of one: ",
+                     fmt::format("'{}' {:g} s and {:g} s", joint.name, joint.lag, joint.delay));
   }
 
   /// MuJoCo's implicit integrators take what actuators do by velocity at a step's end (mjd_actuator_vel).
@@ -229,7 +243,7 @@ class Driver {
   const MjcfModel& model_;
   ParsedRobot& robot_;
   ReaderWarnings& warnings_;
-  std::map<std::string, std::vector<const MjcfActuator*>> of_joint_;
+  std::map<std::string, std::vector<const MjcfActuator*>> of_joint_, all_of_joint_;  ///< that drive it; all
 };
 
 /// Lists joints as they and their actuators stand in the file.

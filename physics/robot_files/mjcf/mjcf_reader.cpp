@@ -202,7 +202,10 @@ class MjcfTree {
       child.joint = read_joint(joint);
       // The frame of the joint at zero angle: at its anchor, turned back from where the file has the body.
       child.X_PB = next.X_PB * Eigen::Translation3d(joint.p_BJ);
-      if (joint.reference != 0) child.X_PB = child.X_PB * Eigen::AngleAxisd(-joint.reference, joint.axis);
+      if (joint.reference != 0) {
+        child.X_PB = child.X_PB * Eigen::AngleAxisd(-joint.reference, joint.axis);
+        robot_.drawn_at[joint.name] = joint.reference;
+      }
       Pose X_child = Pose::Identity();
       X_child.translation() = -joint.p_BJ;
       add_body(next.body, std::move(child), X_child);

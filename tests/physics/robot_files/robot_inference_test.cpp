@@ -164,6 +164,16 @@ TEST_F(Inferred, AFrameThatIsNotRep103IsTurned) {
   EXPECT_NE(find(report, "frame")->reason.find("a guess"), std::string::npos);
 }
 
+TEST_F(Inferred, KneesAboveTheHipsSayThatZPointsDown) {
+  const RobotDescription expected = load({}).robot;
+  SerialUrdf urdf;
+  urdf.R << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+  const auto [robot, report] = load(urdf);
+  EXPECT_LT((report.R_BA - urdf.R).norm(), 1e-12);
+  EXPECT_LT((robot.home - expected.home).norm(), 1e-9);
+  EXPECT_NE(find(report, "frame")->reason.find("z points down"), std::string::npos);
+}
+
 TEST_F(Inferred, WhatIsNoLegIsLocked) {
   SerialUrdf urdf;
   urdf.more = urdf.link("arm", 1, {0, 0, 0.1}, "") +

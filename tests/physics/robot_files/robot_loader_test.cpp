@@ -193,7 +193,7 @@ const BadInput kBadUrdfs[] = {
     {"NotXml", "<?xml version=\"1.0\"?>", "link = trunk", "line ", "well-formed XML", "Error"},
     {"SecondRobot", "</robot>", "</robot><robot name=\"other\"/>", "line ", "one element around all others",
      "<robot> behind <robot>"},
-    {"NamelessRobot", "<robot name=\"scara_quadruped\">", "<sdf/><robot nam=\"\">", "robot",
+    {"NamelessRobot", "<robot name=\"scara_quadruped\">", "<robot nam=\"\">", "robot",
      "urdfdom accepts", "name"},
     {"NoName", "<link name=\"trunk\">", "<link>", "link ''", "attribute 'name'", "none"},
     {"MissingParentLink", "<parent link=\"trunk\"/>", "<parent link=\"body\"/>", "joint 'FL_tilt'",
