@@ -28,13 +28,26 @@ TEST(SkeletonEngine, IsAskedNearlyEverything) {
   for (const Check& check : checks())
     if (check.precondition.is_met != nullptr && !check.precondition.is_met(subject))
       left_out.insert(check.name);
-  EXPECT_EQ(left_out,
-            (std::set<std::string>{"soft_friction", "turning_friction", "error_reduction", "joint_limit_rest",
-                                   "implicit_servo_recursion", "implicit_servo_stiff",
-                                   "implicit_servo_limits", "implicit_servo_standing", "same_implicit_servos",
-                                   "joint_limit_stop", "joint_limit_return", "joint_limit_none",
-                                   "joint_limits_reported", "same_swing", "same_trot_flat", "same_trot_rough",
-                                   "same_sled", "same_joint_friction", "same_couplings"}));
+  EXPECT_EQ(left_out, (std::set<std::string>{"soft_friction",
+                                             "turning_friction",
+                                             "error_reduction",
+                                             "joint_limit_rest",
+                                             "implicit_servo_recursion",
+                                             "implicit_servo_stiff",
+                                             "implicit_servo_friction",
+                                             "implicit_servo_limits",
+                                             "implicit_servo_standing",
+                                             "same_implicit_servos",
+                                             "joint_limit_stop",
+                                             "joint_limit_return",
+                                             "joint_limit_none",
+                                             "joint_limits_reported",
+                                             "same_swing",
+                                             "same_trot_flat",
+                                             "same_trot_rough",
+                                             "same_sled",
+                                             "same_joint_friction",
+                                             "same_couplings"}));
 }
 
 }  // namespace
