@@ -62,8 +62,8 @@ TEST_P(MjcfOnBars, WhatIsNoLegIsSaid) {
   };
   const ConfigError tied =
       refusal("</equality>", R"(<connect name="tie" body1="FL_shin" body2="FR_shin" anchor="0 0 0"/>)");
-  EXPECT_EQ(tied.element(), "legs.FL");
-  EXPECT_EQ(tied.found(), "'tie', which joins another");
+  EXPECT_EQ(tied.element(), "legs");
+  EXPECT_EQ(tied.found(), "'tie' from 'FL_shin' to 'FR_shin', of two legs");
   // All four joints of a leg with a servo: nothing is left for the loop to move.
   std::string driven;
   for (const Leg leg : kLegs) {

@@ -103,6 +103,22 @@ TEST_F(MjcfNewer, LoopsAreAsSoftAsTheFirstOfThemThatSaysIt) {
   EXPECT_TRUE(warns(robot.warnings, "in the place of another (0.03 1, 0.9 0.95 0.001) of 1 <connect>"));
 }
 
+TEST_F(MjcfNewer, LoopsBetweenTwoLegsAreRefusedByName) {
+  MadeMjcf mjcf;
+  mjcf.sections = R"(<equality><connect body1="FL_shin" body2="FR_shin" anchor="0 0 0"/>
+                     <connect body1="RL_shin" body2="RR_shin" anchor="0 0 0"/></equality>)";
+  const auto refused = [&] {
+    const ConfigError error = refusal(mjcf);
+    EXPECT_EQ(error.expected(), "loops that close within a leg");
+    return error.found();
+  };
+  EXPECT_EQ(refused(), "'connect_0' from 'FL_shin' to 'FR_shin', of two legs");
+  // With a leg tied to the trunk, too, loops move all joints that there are.
+  mjcf.sections.insert(mjcf.sections.find("<connect"),
+                       R"(<connect body1="trunk" body2="FR_shin" anchor="0 0 0"/>)");
+  EXPECT_EQ(refused(), "'connect_1' from 'FL_shin' to 'FR_shin', of two legs");
+}
+
 TEST_F(MjcfNewer, WhatNothingSimulatesIsSaid) {
   MadeMjcf mjcf;
   mjcf.trunk_joint = R"(<joint name="root" type="free" damping="3"/>)";

@@ -139,6 +139,7 @@ std::optional<LegJoints> roles_of(const JointTree& tree, const JointChain& chain
   }
   if (leg.held.size() > kMostHeld) return std::nullopt;
   if (auto closed = closed_chain_of(tree, parts)) {
+    if (closed->servos.size() < 2) return std::nullopt;  // loops move all that it has: they join two legs
     closed->held = leg.held;
     return closed;
   }

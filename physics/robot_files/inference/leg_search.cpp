@@ -127,7 +127,9 @@ class LegFinder {
       parents.insert(four[i].parent);
       legs[i] = {four[i], *joints};
     }
-    return parents.size() <= 2 ? std::optional(legs) : std::nullopt;
+    if (parents.size() > 2) return std::nullopt;
+    refuse_loops_between(four);
+    return legs;
   }
 
   const std::string& first_joint(const JointChain& chain) const {
@@ -144,12 +146,31 @@ class LegFinder {
                       "eight chains of two joints, of which no one can tell how they make four legs");
   }
 
+  void refuse_loops_between(const Chains& legs) const {
+    const auto leg_with = [&](const std::string& link) {
+      const auto found = tree_.robot().links.find(link);
+      if (found == tree_.robot().links.end()) return legs.end();
+      const std::vector<int> way = tree_.way_to(found->second.body);
+      return std::ranges::find_if(legs, [&way](const JointChain& leg) {
+        return std::ranges::find(way, leg.bodies.front()) != way.end();
+      });
+    };
+    for (const LinkLoop& loop : tree_.robot().loops) {
+      const auto a = leg_with(loop.link_a), b = leg_with(loop.link_b);
+      if (a == legs.end() || b == legs.end() || a == b) continue;
+      throw ConfigError(
+          source_, "legs", "loops that close within a leg",
+          fmt::format("'{}' from '{}' to '{}', of two legs", loop.name, loop.link_a, loop.link_b));
+    }
+  }
+
   [[noreturn]] void refuse(const std::vector<Chains>& groups) const {
     for (const Chains& group : groups) {
       if (group.size() != kLegCount) continue;
       const JointChain& leg = group.front();
       const std::string element = fmt::format("legs, from '{}'", first_joint(leg));
       if (leg.tips != 1) throw ConfigError(source_, element, "chains", "legs that branch");
+      refuse_loops_between(group);
       const std::size_t joints = leg.bodies.size();
       throw ConfigError(source_, element,
                         "2 or 3 moving joints in each: (abduction,) hip, knee, the last two about parallel "

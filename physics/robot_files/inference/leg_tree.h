@@ -44,6 +44,8 @@ class JointTree {
 
   /// Returns how far a body, or anything that hangs on it, reaches from its joint, m.
   double reach_of(int body) const { return reach_of(body, origin(body), -1); }
+  /// Returns the bodies from the base to this one, without the base.
+  std::vector<int> way_to(int body) const;
   /// Returns where a point of a link is, or nothing of a link that is not there.
   std::optional<Vector3> point_of(const std::string& link, const Vector3& p) const;
 
@@ -61,8 +63,6 @@ class JointTree {
   std::size_t children_of(int body) const;
   void find_twigs();
   void find_bars();
-  /// Returns the bodies from the base to this one, without the base.
-  std::vector<int> way_to(int body) const;
   /// Likewise from a point, and without what hangs on `excluded`.
   double reach_of(int root, const Vector3& from, int excluded) const;
   bool hangs_on(int body, int on) const;
