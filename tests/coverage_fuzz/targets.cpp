@@ -43,7 +43,7 @@ void mesh(const std::string& file, std::string_view /*bytes*/) {
 void terrain(const std::string& file, std::string_view /*bytes*/) { static_cast<void>(make_terrain(file)); }
 
 void scene(const std::string& file, std::string_view /*bytes*/) {
-  static_cast<void>(read_scene_terrain(file, 0.1));
+  static_cast<void>(read_scene_terrain(file, 0.5));
 }
 
 void environment_file(const std::string& /*file*/, std::string_view bytes) {
@@ -166,6 +166,7 @@ constexpr std::array kTargets{
     Target{"terrain_png", ".png", terrain},
     Target{"terrain_csv", ".csv", terrain},
     Target{"scene", ".sdf", scene},
+    Target{"scene_mjcf", ".xml", scene},
     Target{"env_yaml", "", environment_file},
     Target{"course_yaml", ".yaml", course},
     Target{"policy_yaml", ".yaml", policy},
