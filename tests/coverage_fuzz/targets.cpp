@@ -43,7 +43,7 @@ void mesh(const std::string& file, std::string_view /*bytes*/) {
 void terrain(const std::string& file, std::string_view /*bytes*/) { static_cast<void>(make_terrain(file)); }
 
 void scene(const std::string& file, std::string_view /*bytes*/) {
-  static_cast<void>(read_scene_terrain(file, 0.5));
+  static_cast<void>(read_scene_terrain(file, 2));
 }
 
 void environment_file(const std::string& /*file*/, std::string_view bytes) {
