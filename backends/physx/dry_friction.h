@@ -22,10 +22,7 @@ class DryFriction final : public LinkConstraint {
     float torque;
   };
 
-  static px::PxU32 prepare(px::Px1DConstraint* rows, px::PxVec3p& offset, px::PxU32 most,
-                           px::PxConstraintInvMassScale& scale, const void* data, const px::PxTransform& A,
-                           const px::PxTransform& B, bool extended_limits, px::PxVec3p& at_A,
-                           px::PxVec3p& at_B);
+  static Prepare prepare;
 
   Row row_;
 };

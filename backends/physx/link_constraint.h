@@ -1,6 +1,8 @@
 // A constraint of ours between two links, solved by PhysX along with contacts.
 #pragma once
 
+#include <type_traits>
+
 #include <PxPhysicsAPI.h>
 
 namespace crossgait::physx {
@@ -10,6 +12,9 @@ namespace px = ::physx;
 /// Stands between PhysX and rows that a derived class writes: `Prepare` reads `Data`, which does not move.
 class LinkConstraint : private px::PxConstraintConnector {
  public:
+  /// Type of the functions that write rows.
+  using Prepare = std::remove_pointer_t<px::PxConstraintSolverPrep>;
+
   LinkConstraint(const LinkConstraint&) = delete;
   LinkConstraint& operator=(const LinkConstraint&) = delete;
 

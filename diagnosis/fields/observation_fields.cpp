@@ -55,23 +55,24 @@ Fields observation_scales(const Context& context) {
     const std::vector<double> now = each_scale(term, size);
     CandidateField field{fmt::format("observation.{}.scale", term.block), numbers_in_words(now), {}};
     add_factors(field, scale_of_numbers(k, size, 0, size), now, {0.05, 0.11, 0.22, 0.5, 2, 4.5, 9, 20});
-    // What is not scaled, and obs_scales of legged_gym.
-    std::vector<double> usual{1};
-    if (const auto scale = kUsualScales.find(term.block); scale != kUsualScales.end())
-      usual.push_back(scale->second);
-    for (const double scale : usual) {
-      std::vector<double> with = now;
-      for (double& number : with) number = std::copysign(scale, number);  // signs are another field
-      if (term.block == "command" || with == now) continue;
-      field.changes.push_back(
-          {fmt::format("{:g}", scale), [k, with](EnvConfig& c) { c.observation[k].scale = with; }});
-    }
     if (term.block == "command") {
       field.from = fmt::format("{}", fmt::join(now, " "));
       add_factors(field, scale_of_numbers(k, size, 0, 2), {now[0]}, {0.5, 2}, "speeds ");
       add_factors(field, scale_of_numbers(k, size, 2, 3), {now[2]}, {0.25, 0.5, 2, 4}, "yaw rate ");
       field.changes.push_back({"1", [k](EnvConfig& c) { c.observation[k].scale = {}; }});
       field.changes.push_back({"2, 2, 0.25", [k](EnvConfig& c) { c.observation[k].scale = {2, 2, 0.25}; }});
+    } else {
+      // What is not scaled, and obs_scales of legged_gym.
+      std::vector<double> usual{1};
+      if (const auto scale = kUsualScales.find(term.block); scale != kUsualScales.end())
+        usual.push_back(scale->second);
+      for (const double scale : usual) {
+        std::vector<double> with = now;
+        for (double& number : with) number = std::copysign(scale, number);  // signs are another field
+        if (with == now) continue;
+        field.changes.push_back(
+            {fmt::format("{:g}", scale), [k, with](EnvConfig& c) { c.observation[k].scale = with; }});
+      }
     }
     fields.push_back(std::move(field));
   }

@@ -18,11 +18,14 @@ void HeldNumbers::add(std::string_view name, std::string_view value) {
   const std::size_t first = value.find_first_not_of(" \t\r\n");
   const bool is_number = first != std::string_view::npos &&
                          std::string_view("+-.0123456789").find(value[first]) != std::string_view::npos;
-  if (!is_number || text_.size() > kMostOfNumbers) return;
-  text_ += text_.empty() ? ": " : " ";
-  text_ += text_.size() > kMostOfNumbers
-               ? "..."
-               : fmt::format("{}=\"{}\"", name, printable_text(value.substr(first), kMostOfAValue));
+  constexpr std::string_view kMore = " ...";
+  if (!is_number || text_.ends_with(kMore)) return;
+  if (text_.size() > kMostOfNumbers) {
+    text_ += kMore;
+    return;
+  }
+  text_ += fmt::format("{} {}=\"{}\"", text_.empty() ? ":" : "", name,
+                       printable_text(value.substr(first), kMostOfAValue));
 }
 
 ReaderWarnings::Kind* ReaderWarnings::more_of(std::string_view before, std::string_view after) {

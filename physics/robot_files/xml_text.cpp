@@ -1,7 +1,5 @@
 #include "physics/robot_files/xml_text.h"
 
-#include <vector>
-
 #include <fmt/format.h>
 #include <tinyxml.h>
 
@@ -37,18 +35,20 @@ std::string attribute_of(const TiXmlElement& element, const char* name) {
   return value == nullptr ? "" : value;
 }
 
+namespace {
+
+void add_numbers(const TiXmlElement& element, HeldNumbers& numbers) {
+  for (auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) numbers.add(a->Name(), a->Value());
+  if (const char* text = element.GetText()) numbers.add(element.Value(), text);
+  for (auto* e = element.FirstChildElement(); e != nullptr; e = e->NextSiblingElement())
+    add_numbers(*e, numbers);
+}
+
+}  // namespace
+
 HeldNumbers held_numbers(const TiXmlElement& element) {
   HeldNumbers numbers;
-  std::vector<const TiXmlElement*> open{&element};
-  while (!open.empty()) {
-    const TiXmlElement& e = *open.back();
-    open.pop_back();
-    for (auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) numbers.add(a->Name(), a->Value());
-    if (const char* text = e.GetText()) numbers.add(e.Value(), text);
-    for (auto* child = e.LastChild(); child != nullptr; child = child->PreviousSibling()) {
-      if (const TiXmlElement* inner = child->ToElement()) open.push_back(inner);
-    }
-  }
+  add_numbers(element, numbers);
   return numbers;
 }
 

@@ -58,12 +58,12 @@ class FrameOfLegs {
     const bool is_sprawling = std::ranges::all_of(
         first_axes_, [&](const Vector3& axis) { return std::abs(axis.dot(normal)) > kAboutVertical; });
     if (is_sprawling) return sprawling(normal, inferred);
-    if (std::abs(std::abs(lateral_.y()) - 1) < kAxisRounding && knees_are_above()) {
-      return told(Vector3::UnitX(), -Vector3::UnitY(),
-                  "knees turn about y and lie above the hips: z points down; the sign of forward is a guess",
-                  inferred);
-    }
     if (std::abs(std::abs(lateral_.y()) - 1) < kAxisRounding) {
+      if (knees_are_above())
+        return told(
+            Vector3::UnitX(), -Vector3::UnitY(),
+            "knees turn about y and lie above the hips: z points down; the sign of forward is a guess",
+            inferred);
       inferred.push_back({"frame", "x forward, y left, z up", "knees turn about y, as REP-103 has it"});
       return Matrix3::Identity();
     }

@@ -105,9 +105,7 @@ class ActuatorReader {
   /// kind has those of the nearest class around that ended with either; dynamics of its own kind alone.
   void take_law_for(std::string_view kind) {
     const auto fits = [kind](const Settings& s) { return s.kind == kind || s.kind == "general"; };
-    const Settings usual;
-    const auto around = std::find_if(outer_.rbegin(), outer_.rend(), fits);
-    const Settings law = fits(settings_) ? settings_ : around == outer_.rend() ? usual : *around;
+    const Settings law = fits(settings_) ? settings_ : *std::find_if(outer_.rbegin(), outer_.rend(), fits);
     settings_.gain_type = law.gain_type, settings_.bias_type = law.bias_type;
     settings_.gain = law.gain, settings_.bias = law.bias;
     settings_.dynamics = law.kind == kind ? law.dynamics : "none";
@@ -188,7 +186,8 @@ class ActuatorReader {
   }
 
   Settings settings_;
-  std::vector<Settings> outer_;  ///< what the classes around ended with, innermost last
+  /// What the classes around ended with, innermost last; before all of them the compiler's own, a <general>.
+  std::vector<Settings> outer_{Settings()};
   bool autolimits_;
 };
 

@@ -68,15 +68,18 @@ std::string mjcf_place(const MjcfElement& element, const std::string& main_file)
   return fmt::format("{} (line {}{})", mjcf_label(element), element.line, of);
 }
 
+namespace {
+
+void add_numbers(const MjcfElement& element, HeldNumbers& numbers) {
+  for (const auto& [name, value] : element.attributes) numbers.add(name, value);
+  for (const MjcfElement& child : element.children) add_numbers(child, numbers);
+}
+
+}  // namespace
+
 HeldNumbers held_numbers(const MjcfElement& element) {
   HeldNumbers numbers;
-  std::vector<const MjcfElement*> open{&element};
-  while (!open.empty()) {
-    const MjcfElement& e = *open.back();
-    open.pop_back();
-    for (const auto& [name, value] : e.attributes) numbers.add(name, value);
-    for (auto child = e.children.rbegin(); child != e.children.rend(); ++child) open.push_back(&*child);
-  }
+  add_numbers(element, numbers);
   return numbers;
 }
 

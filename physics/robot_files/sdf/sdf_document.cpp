@@ -139,16 +139,19 @@ void fail_at(const SdfElement& element, std::string_view expected, std::string_v
   throw ConfigError(*element.file, fmt::format("line {}, {}", element.line, element.place), expected, found);
 }
 
+namespace {
+
+void add_numbers(const SdfElement& element, HeldNumbers& numbers) {
+  for (const SdfAttribute& a : element.attributes) numbers.add(a.name, a.value);
+  numbers.add(element.tag, element.text);
+  for (const SdfElement& child : element.children) add_numbers(child, numbers);
+}
+
+}  // namespace
+
 HeldNumbers held_numbers(const SdfElement& element) {
   HeldNumbers numbers;
-  std::vector<const SdfElement*> open{&element};
-  while (!open.empty()) {
-    const SdfElement& e = *open.back();
-    open.pop_back();
-    for (const SdfAttribute& a : e.attributes) numbers.add(a.name, a.value);
-    numbers.add(e.tag, e.text);
-    for (auto child = e.children.rbegin(); child != e.children.rend(); ++child) open.push_back(&*child);
-  }
+  add_numbers(element, numbers);
   return numbers;
 }
 

@@ -426,6 +426,15 @@ TEST_F(UrdfTraps, XacroIsKnownByTheNameOfTheFile) {
   EXPECT_EQ(error.found(), "<xacro:if>");
 }
 
+TEST_F(UrdfTraps, VeryManyNumbersOfWhatIsIgnoredAreCutShortAndSo) {
+  std::string element = "<odd";
+  for (int i = 0; i < 40; ++i) element += " number" + std::to_string(i) + "='" + std::to_string(i) + "'";
+  const std::string warning = warnings_of(read_with_base(element + "/>")).front();
+  EXPECT_NE(warning.find(": number0=\"0\" number1=\"1\""), std::string::npos) << warning;
+  EXPECT_TRUE(warning.ends_with("\" ...")) << warning;
+  EXPECT_EQ(warning.find("number39"), std::string::npos);
+}
+
 TEST_F(UrdfTraps, WarningsStayFew) {
   std::string unknown;
   for (int i = 0; i < 1000; ++i) unknown += "<a" + std::to_string(i) + "/>";
