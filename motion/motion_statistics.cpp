@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "physics/robot/actuator.h"
+#include "physics/robot/hips.h"
 
 namespace crossgait {
 namespace {
@@ -36,7 +37,8 @@ MotionStatistics::MotionStatistics(const RobotDescription& robot, const OutcomeL
       q_(JointVector::Zero(robot.joint_count())),
       qd_(JointVector::Zero(robot.joint_count())),
       loop_gaps_(std::make_shared<const LoopGaps>(robot)),
-      leg_length_(robot.home_height),
+      hip_middle_(hip_middle(robot)),
+      leg_length_(crossgait::leg_length(robot)),
       mass_(robot.total_mass()) {}
 
 void MotionStatistics::begin(const PhysicsBackend& world, double standing_height) noexcept {
@@ -45,7 +47,7 @@ void MotionStatistics::begin(const PhysicsBackend& world, double standing_height
   q_ = s.q;
   qd_ = s.qd;
   t_.weight = mass_ * world.spec().gravity.norm();
-  t_.standing_height = standing_height;
+  t_.standing_hip_height = standing_height + hip_middle_.z();
   t_.start = t_.piece_start = t_.last_position = s.p_WB;
   t_.start_yaw = t_.course_yaw = crossgait::roll_pitch_yaw(s.q_WB).z();
   t_.height = t_.begin_height = s.p_WB.z() - world.spec().terrain.height(s.p_WB.x(), s.p_WB.y());
@@ -165,13 +167,18 @@ void MotionStatistics::add_command(const PhysicsBackend& world, const ControlTar
 void MotionStatistics::find_outcomes(const PhysicsBackend& world, double dt) noexcept {
   const double tilt = t_.roll_pitch_yaw.head<2>().cwiseAbs().maxCoeff() * kDegreesPerRadian;
   if (tilt > limits_.tilt_deg) note(Outcome::kFell);
-  const bool low = t_.height < limits_.low_height * t_.standing_height ||
+  const bool low = hip_height(world) < limits_.low_height * t_.standing_hip_height ||
                    t_.body_load > limits_.nonfoot_contact_load * t_.weight;
   t_.steps_collapsed = low ? t_.steps_collapsed + 1 : 0;
   if (low && lasts(t_.steps_collapsed, dt, limits_.low_seconds)) note(Outcome::kCollapsed);
   const Vector3& p = world.state().p_WB;
   if (!world.spec().terrain.contains(p.x(), p.y())) note(Outcome::kLeftTerrain);
   if (t_.max_loop_gap > limits_.loop_gap * leg_length_) note(Outcome::kLoopViolated);
+}
+
+double MotionStatistics::hip_height(const PhysicsBackend& world) const noexcept {
+  const Vector3 middle = world.state().X_WB() * hip_middle_;
+  return middle.z() - world.spec().terrain.height(middle.x(), middle.y());
 }
 
 void MotionStatistics::moved(const PhysicsBackend& world) noexcept {

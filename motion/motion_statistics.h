@@ -128,6 +128,7 @@ class MotionStatistics {
   void add_command(const PhysicsBackend& world, const ControlTargets& targets, double last_yaw,
                    double dt) noexcept;
   void find_outcomes(const PhysicsBackend& world, double dt) noexcept;
+  double hip_height(const PhysicsBackend& world) const noexcept;
   bool slid(double path) const noexcept;
   Outcome of_path() const noexcept;
   Outcome of_turn() const noexcept;
@@ -136,6 +137,7 @@ class MotionStatistics {
   std::vector<int> servos_;
   JointVector q_, qd_;                         // of joints, before the next physics step
   std::shared_ptr<const LoopGaps> loop_gaps_;  // the same for all copies
+  Vector3 hip_middle_;                         // in the base's frame
   double leg_length_, mass_;
 
   /// Counts physics steps of planned swing, and those of them in which the foot carried load.
@@ -147,9 +149,9 @@ class MotionStatistics {
   /// Holds all that changes as the motion goes on. SI units and radians; distances are along the ground.
   struct Totals {
     // Set when the motion begins.
-    double weight = 0;           ///< of the robot
-    double standing_height = 0;  ///< of the base over the ground where it was put down
-    double begin_height = 0;     ///< of the base over the ground, settled
+    double weight = 0;               ///< of the robot
+    double standing_hip_height = 0;  ///< of the hips' middle over the ground where it was put down
+    double begin_height = 0;         ///< of the base over the ground, settled
     double start_yaw = 0;
     Vector3 start = Vector3::Zero();  ///< of the base
 

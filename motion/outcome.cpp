@@ -25,15 +25,15 @@ constexpr std::array kOutcomeRows{
                  return fmt::format("roll or pitch beyond {:g} degrees (`tilt_limit_deg`)", l.tilt_deg);
                },
                "no gait leans so far, and none comes back"},
-    OutcomeRow{
-        Outcome::kCollapsed, "collapsed", "collapsed", "collapsed", true,
-        [](const L& l) {
-          return fmt::format(
-              "for {:g} s without a break the base is below {:g} of the height it was put down at, or bodies "
-              "other than feet carry more than {:g} of the weight (smoothed over {:g} s)",
-              l.low_seconds, l.low_height, l.nonfoot_contact_load, l.load_smoothing);
-        },
-        "it lies, rather than stands on its feet; a stumble is shorter"},
+    OutcomeRow{Outcome::kCollapsed, "collapsed", "collapsed", "collapsed", true,
+               [](const L& l) {
+                 return fmt::format(
+                     "for {:g} s without a break the middle of the hips is below {:g} of the height it was "
+                     "put down at, or bodies "
+                     "other than feet carry more than {:g} of the weight (smoothed over {:g} s)",
+                     l.low_seconds, l.low_height, l.nonfoot_contact_load, l.load_smoothing);
+               },
+               "it lies, rather than stands on its feet; a stumble is shorter"},
     OutcomeRow{Outcome::kLeftTerrain, "left_terrain", "left the terrain", "left the terrain", true,
                [](const L&) -> std::string { return "the base is off the height field"; },
                "there is nothing to walk on"},

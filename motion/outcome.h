@@ -79,11 +79,11 @@ struct OutcomeSet {
   static OutcomeSet of_episodes() noexcept;
 };
 
-/// Says when an outcome holds. Lengths are in leg lengths, which are RobotDescription::home_height: the
-/// height of the base in the home pose.
+/// Says when an outcome holds. Lengths are in leg lengths: the height of the hips' middle in the home pose
+/// (`leg_length`), which is the robot's, wherever its file has the base's frame.
 struct OutcomeLimits {
   double tilt_deg = 60;     ///< fell: |roll| or |pitch| beyond this, degrees
-  double low_height = 0.5;  ///< collapsed: base below this share of the height it was put down at ...
+  double low_height = 0.5;  ///< collapsed: hips' middle below this share of the height it was put down at ...
   double nonfoot_contact_load =
       0.5;                   ///< ... or bodies other than feet carry more than this share of the weight ...
   double low_seconds = 0.5;  ///< ... for this long without a break, s

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "parity/one_step.h"
+#include "physics/robot/hips.h"
 
 namespace crossgait {
 namespace {
@@ -132,7 +133,7 @@ Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& w
          {}});
   }
   Comparison result;
-  if (!worlds.empty()) result.leg_length_m = worlds.front()->spec().robot->home_height;
+  if (!worlds.empty()) result.leg_length_m = leg_length(*worlds.front()->spec().robot);
   result.pairs = pairs_of(runners, tolerances, result.leg_length_m);
   const double physics_dt = worlds.empty() ? 1 : worlds.front()->spec().physics_dt;
   const int substeps = static_cast<int>(std::lround(setup.timing.control_dt / physics_dt));

@@ -23,7 +23,7 @@ struct Parting {
 /// Takes the states of two runs step by step.
 class PartingWatch {
  public:
-  /// @param leg_length  RobotDescription::home_height, m; 0: nothing parts
+  /// @param leg_length  of the robot (`leg_length`), m; 0: nothing parts
   explicit PartingWatch(double leg_length) noexcept : leg_length_(leg_length) {}
   /// Takes one more state of both runs, at the same time. The first of them are how the two stand.
   void add(const RobotState& a, const RobotState& b) noexcept;

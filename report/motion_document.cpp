@@ -8,6 +8,7 @@
 
 #include "parity/stances.h"
 #include "physics/core/error.h"
+#include "physics/robot/hips.h"
 #include "physics/robot/multibody.h"
 #include "report/panels.h"
 #include "report/scene.h"
@@ -180,7 +181,7 @@ nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& number
         continue;
       }
       PairDifference found;
-      found.parting = PartingWatch(robot.home_height);
+      found.parting = PartingWatch(leg_length(robot));
       panels.add_pair(
           i, k, pair_panels(motion.runs[i].samples, motion.runs[k].samples, rows, frames[i].rows, found));
       const PairDifference& known = motion.pairs.empty() ? found : motion.pairs[pair];

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/robot/hips.h"
 
 namespace crossgait {
 namespace {
@@ -58,7 +59,7 @@ Comparison compare_episodes(const LoadedEnv& environment, const NamedPolicy& pol
                             const TraceSinks& sinks) {
   check_each_once(engines);
   Comparison result;
-  result.leg_length_m = environment.robot->home_height;
+  result.leg_length_m = leg_length(*environment.robot);
   std::vector<Episode> episodes;
   const auto count = static_cast<double>(engines.size());
   try {

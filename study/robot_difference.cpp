@@ -8,9 +8,10 @@
 
 #include "physics/core/table.h"
 #include "physics/robot/actuator.h"
+#include "physics/robot/hips.h"
 #include "physics/robot/joint_numbers.h"
 #include "physics/robot/multibody.h"
-#include "physics/robot/shape_box.h"
+#include "study/link_box.h"
 
 namespace crossgait {
 namespace {
@@ -21,25 +22,21 @@ constexpr double kNothing = 1e-9;  // in any unit here: two numbers that are bot
 
 /// A robot at home, with what is measured in it.
 struct AtHome {
-  explicit AtHome(const RobotDescription& description) : robot(description), poses(home_poses(robot)) {
-    if (!robot.legs) return;
-    for (const Leg leg : kLegs)
-      middle +=
-          poses[static_cast<std::size_t>((*robot.legs)[leg].joints().front()) + 1].translation() / kLegCount;
-  }
+  explicit AtHome(const RobotDescription& description)
+      : robot(description), poses(home_poses(robot)), middle(hip_middle(robot)) {}
   const Body& body(int joint) const { return robot.bodies[static_cast<std::size_t>(joint) + 1]; }
   const Pose& pose(int joint) const { return poses[static_cast<std::size_t>(joint) + 1]; }
 
   const RobotDescription& robot;
   std::vector<Pose> poses;
-  Vector3 middle = Vector3::Zero();  ///< of where legs begin, m: a base's own origin is anywhere
+  Vector3 middle;  ///< of the hips, m: a base's own origin is anywhere
 };
 
-/// The diagonal of the box around what collides of a body, m; 0 of nothing.
-double box_of(const Body& body) {
-  Eigen::AlignedBox3d box;
-  for (const CollisionShape& shape : body.shapes) box.extend(box_around(shape));
-  return box.isEmpty() ? 0 : box.sizes().norm();
+/// The largest distance between two points of what collides of a body, m; 0 of nothing.
+double length_of(const Body& body) {
+  LinkOutline outline;
+  for (const CollisionShape& shape : body.shapes) outline.add(shape);
+  return outline.length();
 }
 
 class DifferenceFinder {
@@ -52,7 +49,6 @@ class DifferenceFinder {
     add("robot", "mass", "kg", a.total_mass(), b.total_mass());
     add("robot", "base mass", "kg", a.bodies[0].inertia.mass, b.bodies[0].inertia.mass);
     add("robot", "standing height", "m", a.standing_height, b.standing_height);
-    add("robot", "height of the base's origin at home", "m", a.home_height, b.home_height);
     add("robot", "servos", "", static_cast<double>(a.actuated_joints().size()),
         static_cast<double>(b.actuated_joints().size()));
     add("robot", "couplings", "", static_cast<double>(a.couplings.size()),
@@ -64,7 +60,8 @@ class DifferenceFinder {
     }
     add("base", "collision shapes", "", static_cast<double>(a.bodies[0].shapes.size()),
         static_cast<double>(b.bodies[0].shapes.size()));
-    add("base", "size of their box", "m", box_of(a.bodies[0]), box_of(b.bodies[0]), length_);
+    add("base", "length of them", "m", length_of(a.bodies[0]), length_of(b.bodies[0]), length_);
+    add_place("base", "origin from the middle of the hips", -a_.middle, -b_.middle);
     add_place("base", "centre of mass", a_.poses[0] * a.bodies[0].inertia.p_BC - a_.middle,
               b_.poses[0] * b.bodies[0].inertia.p_BC - b_.middle);
     add_contact();
@@ -142,7 +139,7 @@ class DifferenceFinder {
     }
     add(of, "collision shapes", "", static_cast<double>(a.shapes.size()),
         static_cast<double>(b.shapes.size()));
-    add(of, "size of their box", "m", box_of(a), box_of(b), length_);
+    add(of, "length of them", "m", length_of(a), length_of(b), length_);
     add(of, "home", "rad", a_.robot.home[i], sign * b_.robot.home[j]);
     for (const JointNumber& number : kJointNumbers) {
       if (number.member != &Joint::effort_negative)

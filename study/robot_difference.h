@@ -23,7 +23,7 @@ struct RobotDifference {
 };
 
 /// Compares masses, heights, contact, and leg by leg and role by role where joints and centres of mass are at
-/// home (from the middle of where legs begin), axes, masses, moments, ranges, home, springs and every number
+/// home (from the middle of the hips), axes, masses, moments, ranges, home, springs and every number
 /// of the joints; feet by their radius. What joints and links are called, and which way an axis points, does
 /// not matter. Alike is what differs by a hundredth of the larger or less, of places by one of the standing
 /// height.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -12,24 +13,27 @@
 
 #include "ik/leg_kinematics.h"
 #include "physics/robot/actuator.h"
+#include "physics/robot/hips.h"
 #include "physics/robot/joint_numbers.h"
 #include "physics/robot/multibody.h"
-#include "physics/robot/shape_box.h"
+#include "study/link_box.h"
 #include "study/robot_quantities.h"
 
 namespace crossgait {
 namespace {
 
-using LinkBox = Eigen::AlignedBox3d;
-
 constexpr double kLeastGyration = 0.02, kMostGyration = 0.6, kImpossibleGyration = 1.5;  // of a link's extent
 constexpr double kLeastDensity = 20, kMostDensity = 2e4, kImpossibleDensity = 1e5;       // kg/m^3
 constexpr double kLeastHeight = 0.03, kMostHeight = 3;                                   // m
-constexpr double kHugeShape = 10;     // of the standing height
-constexpr double kWidened = 1.5;      // of a link's box, for its centre of mass
-constexpr double kThin = 0.1;         // of the longest side: a box whose volume says nothing
-constexpr double kUnlike = 0.05;      // relative, of left and right
-constexpr double kAtLimit = 0.01;     // rad
+constexpr double kHugeShape = 10;  // of the standing height
+constexpr double kWidened = 1.5;   // of a link's box, for its centre of mass
+constexpr double kBeside = 0.25;   // of its longest side, beside it
+constexpr double kThin = 0.1;      // of the longest side: a box whose volume says nothing
+constexpr double kUnlike = 0.05;   // relative, of left and right
+constexpr double kAtLimit = 0.01;  // rad
+constexpr double kAside = 0.5;     // of the standing height: a base's origin out of the middle of the legs
+constexpr double kTurned = 0.03;   // rad: beyond how files are rounded
+constexpr std::array kSides{std::pair(Leg::FL, Leg::FR), std::pair(Leg::RL, Leg::RR)};
 constexpr double kLeastSpeed = 0.5;   // of sqrt(g / h): what a servo has to turn at
 constexpr double kLeastAngle = 0.02;  // rad, off its target: what a servo has to be able to follow
 constexpr double kLeastTransmission =
@@ -53,30 +57,40 @@ std::string likely_unit(const char* what, const std::array<Unit, N>& units, doub
   return off(best) < kNear ? fmt::format("{} in {}", what, best.words) : "";
 }
 
-double longest(const LinkBox& box) { return box.isEmpty() ? 0 : box.sizes().maxCoeff(); }
+double length(const CollisionShape& shape) {
+  LinkOutline outline;
+  outline.add(shape);
+  return outline.length();
+}
+
+/// A plane in the base's frame of whose two sides one should be the mirror image of the other.
+struct MirrorPlane {
+  Vector3 point, normal;
+  Vector3 image(const Vector3& p) const { return p - 2 * normal.dot(p - point) * normal; }
+};
 
 class Findings {
  public:
-  explicit Findings(const LoadedRobot& loaded) : robot_(loaded.robot), boxes_(robot_.bodies.size()) {
-    for (std::size_t i = 0; i < boxes_.size(); ++i) {
+  explicit Findings(const LoadedRobot& loaded) : robot_(loaded.robot), outlines_(robot_.bodies.size()) {
+    for (std::size_t i = 0; i < outlines_.size(); ++i) {
       const Body& body = robot_.bodies[i];
-      LinkBox& box = boxes_[i];
-      box.extend(Vector3(Vector3::Zero()));
-      for (const CollisionShape& shape : body.shapes) box.extend(box_around(shape));
-      if (body.parent >= 0)
-        boxes_[static_cast<std::size_t>(body.parent)].extend(Vector3(body.X_PB.translation()));
+      outlines_[i].add(Vector3::Zero());
+      for (const CollisionShape& shape : body.shapes) outlines_[i].add(shape);
+      if (body.parent >= 0) outlines_[static_cast<std::size_t>(body.parent)].add(body.X_PB.translation());
     }
     if (!robot_.legs) return;
-    for (const LegModel& leg : *robot_.legs) boxes_[static_cast<std::size_t>(leg.foot_body)].extend(leg.p_BF);
+    for (const LegModel& leg : *robot_.legs) outlines_[static_cast<std::size_t>(leg.foot_body)].add(leg.p_BF);
   }
 
   std::vector<RobotFinding> list() {
     check_size();
-    for (std::size_t i = 0; i < robot_.bodies.size(); ++i) check_body(robot_.bodies[i], boxes_[i]);
+    for (std::size_t i = 0; i < robot_.bodies.size(); ++i)
+      check_body(robot_.bodies[i], LinkBox(outlines_[i]));
     if (robot_.legs) {
       check_efforts();
       check_bars();
       check_home();
+      check_frame();
       compare_sides();
     }
     std::ranges::stable_sort(found_, std::ranges::greater{}, &RobotFinding::severity);
@@ -96,7 +110,7 @@ class Findings {
           h > kMostHeight ? likely_unit("lengths", kLengthUnits, h / 0.3) : "");
     for (const Body& body : robot_.bodies) {
       for (const CollisionShape& shape : body.shapes) {
-        const double size = longest(box_around(shape));
+        const double size = length(shape);
         if (!(size > kHugeShape * h)) continue;
         add(Severity::kError, fmt::format("link '{}'", body.name),
             fmt::format("its shape '{}' is {:.3g} m large, of a robot that stands {:.3g} m high", shape.name,
@@ -130,11 +144,11 @@ class Findings {
   }
 
   void check_centre(const std::string& of, const Vector3& p_BC, const LinkBox& box) {
-    // A flat box has no width to widen: by a tenth of its length at least.
+    // A flat box has no width to widen, and motors stand out beside a link of which only a rod collides.
     const Vector3 half =
-        (kWidened / 2 * box.sizes()).cwiseMax(Vector3::Constant(kThin * box.sizes().maxCoeff()));
+        (kWidened / 2 * box.sizes()).cwiseMax(Vector3::Constant(kBeside * box.sizes().maxCoeff()));
     const auto is_inside = [&](const Vector3& p) {
-      return ((p - box.center()).cwiseAbs() - half).maxCoeff() <= 0;
+      return (box.from_middle(p).cwiseAbs() - half).maxCoeff() <= 0;
     };
     if (is_inside(p_BC)) return;
     std::string likely;
@@ -142,7 +156,7 @@ class Findings {
       if (likely.empty() && is_inside(p_BC / unit.factor) && p_BC.norm() > box.sizes().norm())
         likely = fmt::format("its place in {}", unit.words);
     }
-    const double off = (p_BC - box.center()).norm();
+    const double off = box.from_middle(p_BC).norm();
     // Twice as far off as the link is large there is nothing to be heavy.
     add(off > 2 * box.sizes().norm() ? Severity::kError : Severity::kWarning, of,
         fmt::format(
@@ -254,10 +268,50 @@ class Findings {
     add_unlike(left, right, role, fmt::format("{} of {:.3g} and {:.3g} {}", what, of_left, of_right, unit));
   }
 
+  /// Says where the base's frame is not that of the legs: what counts from it is of another point, or leans.
+  void check_frame() {
+    const HipFrame hips = hip_frame(robot_);
+    const double aside = hips.middle.head<2>().norm(), h = robot_.standing_height;
+    if (aside > kAside * h)
+      add(Severity::kNote, "base",
+          fmt::format("its origin is {:.3g} m aside of the middle of the hips, at ({:.3g}, {:.3g}) m: "
+                      "commands, ways and headings are those of the origin",
+                      aside, hips.middle.x(), hips.middle.y()));
+    for (const auto& [severity, angle, what, meant] :
+         {std::tuple(Severity::kNote, hips.yaw, "yawed", "forward is along the base's x axis"),
+          std::tuple(Severity::kWarning, hips.pitch, "pitched", "the base is held level, legs are not"),
+          std::tuple(Severity::kWarning, hips.roll, "rolled", "the base is held level, legs are not")}) {
+      if (std::abs(angle) > kTurned)
+        add(severity, "base",
+            fmt::format("in its frame the hips are {} by {:.3g} rad: {}", what, angle, meant));
+    }
+  }
+
+  /// The plane y = 0 of the base, or that between the legs where a file has the base's frame elsewhere.
+  MirrorPlane mirror_plane(const std::vector<Pose>& poses) const {
+    const HipFrame hips = hip_frame(robot_);
+    const MirrorPlane of_base{Vector3::Zero(), Vector3::UnitY()},
+        of_hips{hips.middle, Eigen::AngleAxisd(hips.yaw, Vector3::UnitZ()) * Vector3::UnitY()};
+    const auto off = [&](const MirrorPlane& plane) {
+      double sum = 0;
+      for (const auto& [left, right] : kSides) {
+        const std::vector<int> a = (*robot_.legs)[left].joints(), b = (*robot_.legs)[right].joints();
+        for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+          sum += (place(poses, a[i]) - plane.image(place(poses, b[i]))).norm();
+      }
+      return sum;
+    };
+    return off(of_base) <= off(of_hips) ? of_base : of_hips;
+  }
+
+  static Vector3 place(const std::vector<Pose>& poses, int joint) {
+    return poses[static_cast<std::size_t>(joint) + 1].translation();
+  }
+
   /// Compares where joints of left and right are at home, one of them mirrored.
-  void compare_places(Leg left, Leg right, std::size_t role, const Vector3& p_left, const Vector3& p_right) {
-    const Vector3 mirrored = p_right.cwiseProduct(Vector3(1, -1, 1));
-    if ((p_left - mirrored).norm() <= kUnlike * robot_.standing_height) return;
+  void compare_places(Leg left, Leg right, std::size_t role, const MirrorPlane& mirror, const Vector3& p_left,
+                      const Vector3& p_right) {
+    if ((p_left - mirror.image(p_right)).norm() <= kUnlike * robot_.standing_height) return;
     const auto text = [](const Vector3& p) {
       return fmt::format("({:.3g}, {:.3g}, {:.3g})", p.x(), p.y(), p.z());
     };
@@ -267,7 +321,8 @@ class Findings {
 
   void compare_sides() {
     const std::vector<Pose> poses = home_poses(robot_);
-    for (const auto& [left, right] : {std::pair(Leg::FL, Leg::FR), std::pair(Leg::RL, Leg::RR)}) {
+    const MirrorPlane mirror = mirror_plane(poses);
+    for (const auto& [left, right] : kSides) {
       const std::vector<int> a = (*robot_.legs)[left].joints(), b = (*robot_.legs)[right].joints();
       if (a.size() != b.size()) continue;
       for (std::size_t i = 0; i < a.size(); ++i) {
@@ -281,13 +336,13 @@ class Findings {
         for (const JointNumber& number : kJointNumbers)
           compare(left, right, i, number.name, number.unit, body_a.joint.*number.member,
                   body_b.joint.*number.member);
-        compare_places(left, right, i, poses[of_a].translation(), poses[of_b].translation());
+        compare_places(left, right, i, mirror, place(poses, a[i]), place(poses, b[i]));
       }
     }
   }
 
   const RobotDescription& robot_;
-  std::vector<LinkBox> boxes_;  ///< around each body's shapes, its joint, what hangs on it and its foot
+  std::vector<LinkOutline> outlines_;  ///< of each body's shapes, its joint, what hangs on it and its foot
   std::vector<RobotFinding> found_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "physics/core/error.h"
 #include "physics/robot/closed_chain.h"
+#include "physics/robot/hips.h"
 #include "physics/robot/loop_closing.h"
 #include "physics/robot/multibody.h"
 #include "physics/robot/robot_check.h"
@@ -168,14 +169,9 @@ void RobotBuilder::set_home_height() {
 
 double RobotBuilder::home_depth() const {
   const std::vector<Pose> poses = home_poses(robot_);
+  const LegArray<Vector3> hips = hip_places(robot_);
   double depth = 0;
-  for (const Leg leg : kLegs) {
-    const LegModel& model = (*robot_.legs)[leg];
-    const int hip = model.joint(model.linkage == LegLinkage::kFiveBar ? "shoulder_left" : "hip");
-    depth +=
-        (poses[static_cast<std::size_t>(hip) + 1].translation().z() - foot_position(robot_, leg, poses).z()) /
-        kLegCount;
-  }
+  for (const Leg leg : kLegs) depth += (hips[leg].z() - foot_position(robot_, leg, poses).z()) / kLegCount;
   return depth;
 }
 

@@ -3,7 +3,9 @@
 #include <functional>
 
 #include "env/quadruped_env.h"
+#include "physics/robot/hips.h"
 #include "tests/motion/motions.h"
+#include "tests/physics/robot/moved_base.h"
 #include "tests/support/engine_test.h"
 
 namespace crossgait {
@@ -98,7 +100,8 @@ TEST_P(Motion, CollapsesWhereServosAreTooWeakAfterHalfASecondDown) {
   const scenes::RobotPtr weak = motions::weak_quadruped();
   const auto world = make(weak);
   const ControllerPtr source = motions::standing(weak);
-  const double h = 1e-3, standing = source->initial_state(Terrain(), {}).p_WB.z(),
+  const Vector3 hips = hip_middle(*weak);
+  const double h = 1e-3, standing = source->initial_state(Terrain(), {}).p_WB.z() + hips.z(),
                weight = weak->total_mass() * 9.81;
   double load = 0, expected = -1;  // of all but feet, smoothed, N; s
   int steps = 0, low_steps = 0;
@@ -107,7 +110,7 @@ TEST_P(Motion, CollapsesWhereServosAreTooWeakAfterHalfASecondDown) {
     double other = 0;
     for (const Contact& c : sample.world.contacts()) other += c.leg < 0 ? c.force.z() : 0;
     load += h / (0.1 + h) * (other - load);
-    const bool low = sample.world.state().p_WB.z() < 0.5 * standing || load > 0.5 * weight;
+    const bool low = (sample.world.state().X_WB() * hips).z() < 0.5 * standing || load > 0.5 * weight;
     low_steps = low ? low_steps + 1 : 0;
     if (low_steps == 500 && expected < 0) expected = steps * h;
     return true;
@@ -127,7 +130,7 @@ TEST_P(Motion, CollapsesOntoItsTrunkHoweverHighThatIs) {
   const scenes::RobotPtr weak = motions::weak_quadruped();
   const double weight = weak->total_mass() * 9.81;
   OutcomeLimits limits;
-  limits.low_height = 0.01;
+  limits.low_height = -1;  // never: on its back, hips are on the ground
   const auto world = make(weak);
   const auto source = motions::functions_of(motions::standing(weak, 0.04));
   source->on_stand = [stand = source->on_stand](const Terrain& terrain, const Placement& placement) {
@@ -149,6 +152,25 @@ TEST_P(Motion, CollapsesOntoItsTrunkHoweverHighThatIs) {
   }
   ASSERT_GT(expected, 0.5);
   EXPECT_DOUBLE_EQ(at(loop.statistics().summary(*world), Outcome::kCollapsed), expected);
+}
+
+// Some files have the base's frame on the ground between the feet, or below it: lengths by which a motion is
+// judged are the robot's, and so is what becomes of it.
+TEST_P(Motion, ComesToTheSameEndWhereverTheBaseHasItsFrame) {
+  const double leg = leg_length(*scenes::quadruped());
+  for (const double up : {0.0, -leg, -1.5 * leg, 2 * leg}) {
+    const scenes::RobotPtr moved = std::make_shared<RobotDescription>(
+        with_base_frame(*scenes::quadruped(), Pose(Eigen::Translation3d(0.05, 0, up))));
+    EXPECT_NEAR(leg_length(*moved), leg, 1e-12);  // rounding
+    const MotionSummary m = run(scenes::world_of(moved), motions::trot(moved), {.seconds = 2});
+    EXPECT_EQ(m.outcome, Outcome::kWalked) << up;
+    RobotDescription weak = *moved;
+    for (Body& body : weak.bodies) body.joint.effort_limit *= 0.01;
+    const scenes::RobotPtr fallen = std::make_shared<RobotDescription>(weak);
+    EXPECT_EQ(run(scenes::world_of(fallen), motions::trot(fallen), {.seconds = 2}).outcome,
+              Outcome::kCollapsed)
+        << up;
+  }
 }
 
 TEST_P(Motion, LeavesASmallFieldWhenItsBaseDoes) {

@@ -7,6 +7,7 @@
 #include "motion/closed_loop.h"
 #include "motion/motion_statistics.h"
 #include "physics/core/error.h"
+#include "physics/robot/hips.h"
 #include "scenes/scenes.h"
 #include "tests/support/constants.h"
 #include "tests/support/engine_test.h"
@@ -113,10 +114,10 @@ class MadeUpMotion : public ::testing::Test {
  protected:
   static constexpr double kStanding = 0.07, kDt = 2e-3;  // m, s
 
-  /// Control steps at that height of the base, m.
+  /// Control steps at that height of the hips' middle, m.
   void hold(double height, int steps) {
     RobotState state = world_->home_state();
-    state.p_WB.z() = height;
+    state.p_WB.z() = height - hips_;
     world_->reset(state);
     for (int i = 0; i < steps; ++i) statistics_.add_control_step(*world_, {}, kDt);
   }
@@ -125,10 +126,11 @@ class MadeUpMotion : public ::testing::Test {
   std::unique_ptr<PhysicsBackend> world_ =
       make_world(available_engines().front(), scenes::world_of(scenes::quadruped()));
   MotionStatistics statistics_{world_->robot()};
+  double hips_ = hip_middle(world_->robot()).z();  // over the base's origin, m
 };
 
 TEST_F(MadeUpMotion, IsDownOnlyAfterHalfASecondWithoutABreak) {
-  statistics_.begin(*world_, kStanding);
+  statistics_.begin(*world_, kStanding - hips_);
   hold(0.51 * kStanding, 1000);
   hold(0.49 * kStanding, 249);
   EXPECT_FALSE(collapsed());

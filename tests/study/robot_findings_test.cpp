@@ -9,9 +9,11 @@
 
 #include "physics/core/error.h"
 #include "physics/robot_files/data_path.h"
+#include "study/link_box.h"
 #include "study/robot_difference.h"
 #include "study/robot_lint.h"
 #include "tests/physics/core/scratch_folder.h"
+#include "tests/physics/robot/moved_base.h"
 
 namespace crossgait {
 namespace {
@@ -122,6 +124,75 @@ TEST(RobotFindings, LegsThatAreNoMirrorImagesAreTold) {
         << what;
 }
 
+// Numbers of a link are those of its matter, however its frame is turned and wherever it begins.
+TEST(RobotFindings, DoNotDependOnWhereAFileHasItsFrames) {
+  const RobotDescription robot = quadruped().robot;
+  const auto found = [&](const Pose& X_BN) {
+    LoadedRobot loaded = quadruped();
+    loaded.robot = with_base_frame(robot, X_BN);
+    return describe(robot_findings(loaded));
+  };
+  EXPECT_EQ(found(Pose(Eigen::Translation3d(0.02, 0.04, -0.3))), "");
+  const Pose far(Eigen::Translation3d(0, 0.5, 0));
+  EXPECT_EQ(found(far),
+            "note: base: its origin is 0.5 m aside of the middle of the hips, at (0, -0.5) m: commands, "
+            "ways and headings are those of the origin\n");
+  const auto turned = [&](const Vector3& axis) { return found(Pose(Eigen::AngleAxisd(0.2, axis))); };
+  EXPECT_EQ(turned(Vector3::UnitZ()),
+            "note: base: in its frame the hips are yawed by -0.2 rad: forward is along the base's x "
+            "axis\n");
+  for (const auto& [axis, word] :
+       {std::pair(Vector3(Vector3::UnitY()), "pitched"), std::pair(Vector3(Vector3::UnitX()), "rolled")}) {
+    EXPECT_NE(turned(axis).find(
+                  fmt::format("in its frame the hips are {} by -0.2 rad: the base is held level", word)),
+              std::string::npos);
+  }
+}
+
+// A link without shapes is known by its two ends alone, between which there is no volume to be dense.
+TEST(RobotFindings, ALineBetweenTwoJointsHasNoDensity) {
+  LoadedRobot loaded = quadruped();
+  const int abduction = (*loaded.robot.legs)[Leg::FL].joints().front();
+  Body& hip = loaded.robot.bodies[static_cast<std::size_t>(abduction) + 1];
+  hip.shapes.clear();
+  hip.inertia.I_C = hip.inertia.mass * 4e-3 * Matrix3::Identity();
+  const Pose turn(Eigen::AngleAxisd(0.1, Vector3(1, 0, 1).normalized()));
+  for (Body& body : loaded.robot.bodies)
+    if (body.parent == abduction + 1) body.X_PB = turn * body.X_PB;
+  EXPECT_EQ(finding_of(robot_findings(loaded), fmt::format("link '{}'", hip.name), "kg/m^3"), nullptr);
+}
+
+TEST(LinkBox, IsAsLargeHoweverItIsTurned) {
+  CollisionShape box;
+  box.type = ShapeType::kBox;
+  box.size = {0.1, 0.2, 0.4};
+  for (const double angle : {0.0, 0.3, 1.2}) {
+    box.X_BG = Pose(Eigen::AngleAxisd(angle, Vector3(1, 2, 3).normalized()));
+    box.X_BG.translation() = Vector3(1, 2, 3);
+    LinkOutline outline;
+    outline.add(box);
+    EXPECT_NEAR(outline.length(), 2 * box.size.norm(), 1e-12);  // rounding
+    EXPECT_NEAR((LinkBox(outline).sizes() - 2 * box.size).norm(), 0, 1e-12);
+    EXPECT_NEAR(LinkBox(outline).from_middle(box.X_BG.translation()).norm(), 0, 1e-12);
+  }
+}
+
+TEST(LinkBox, HoldsRoundShapes) {
+  CollisionShape capsule;
+  capsule.type = ShapeType::kCapsule;
+  capsule.size = {0.05, 0.2, 0};
+  LinkOutline outline;
+  outline.add(capsule);
+  EXPECT_NEAR(outline.length(), 0.5, 1e-12);  // rounding
+  CollisionShape cylinder;
+  cylinder.type = ShapeType::kCylinder;
+  cylinder.size = {0.3, 0.4, 0};
+  LinkOutline other;
+  other.add(cylinder);
+  EXPECT_NEAR(other.length(), 1.0, 1e-12);
+  EXPECT_EQ(LinkOutline().length(), 0);
+}
+
 TEST(RobotFindings, DampersAndSpringsThatTakeAllOfAServoAreTold) {
   LoadedRobot loaded = quadruped();
   const int knee = (*loaded.robot.legs)[Leg::FL].joint("knee");
@@ -142,6 +213,11 @@ TEST(RobotDifference, SeesWhereThingsAreAndHowTheyTouch) {
     return std::ranges::any_of(difference.unlike,
                                [&](const UnlikeQuantity& q) { return q.of == of && q.name == name; });
   };
+  const std::string origin = "origin from the middle of the hips at home, y";
+  EXPECT_FALSE(has("base", origin));
+  b.robot = with_base_frame(b.robot, Pose(Eigen::Translation3d(0, 0.1, 0)));
+  EXPECT_TRUE(has("base", origin));
+  b = quadruped();
   const int hip = (*b.robot.legs)[Leg::FR].joint("hip");
   Body& thigh = b.robot.bodies[static_cast<std::size_t>(hip) + 1];
   thigh.X_PB.translation().y() *= -1;
