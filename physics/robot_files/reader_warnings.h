@@ -28,8 +28,8 @@ class ReaderWarnings {
   /// Counts one more thing of the kind that reads "<before><number><after>", e.g. ("ignored ", " <contact>").
   /// @param where  of this one, e.g. "link 'shin' (line 7)"
   void count(std::string_view before, std::string_view after, std::string_view where);
-  /// Counts an attribute that nobody reads, and says what the first one holds:
-  /// `ignored 4 attribute(s) 'kp' of <fixed>, first in fixed (line 7): kp="40"`
+  /// Counts an attribute that nobody reads, and says what the first one holds, e.g.
+  /// ignored 4 attribute(s) 'kp' of \<fixed\>, first in fixed (line 7): kp="40"
   void ignore_attribute(std::string_view name, std::string_view value, std::string_view tag,
                         std::string_view where, std::string_view why = {});
   /// Counts an element that nobody reads, and says which numbers the first one holds.
