@@ -20,6 +20,7 @@ struct FieldChange {
   /// The same change in another strength, where it has one: 1 is this change, 0 none, 2 twice it (of a factor
   /// its square).
   std::function<FieldChange(double strength)> in_strength = {};
+  bool usual = false;  ///< what other programs mean without saying it
 };
 
 /// Describes one field of an environment, by the name that imports give it.

@@ -141,22 +141,64 @@ std::vector<Candidate> firsts_of_pairs(const std::vector<Candidate>& glanced) {
   return firsts;
 }
 
-// Changes of two fields: on top of the best first ones and, as long as none settles it, of the next best.
-std::vector<Candidate> search_pairs(Search& search, const std::vector<Candidate>& glanced,
+bool is_same_change(const Candidate& a, const Candidate& b) {
+  return a.fields == b.fields && a.change.to == b.change.to;
+}
+
+// Further changes to try a second one on: what did best as a second, in the strength in which it did, since
+// its fellow may have been another fault's stand-in; and what other programs mean without saying it, of which
+// nothing shows as long as the robot falls at once for another fault.
+std::vector<Candidate> later_firsts(const std::vector<Candidate>& glanced,
+                                    const std::vector<Candidate>& firsts, std::vector<Candidate> pairs) {
+  constexpr std::size_t kSeconds = 4, kMost = 12;
+  std::vector<Candidate> later;
+  const auto add = [&](const Candidate& one) {
+    const auto is_it = [&one](const Candidate& other) { return is_same_change(one, other); };
+    if (later.size() < kMost && std::ranges::none_of(firsts, is_it) && std::ranges::none_of(later, is_it))
+      later.push_back(one);
+  };
+  std::ranges::stable_sort(pairs, {}, [](const Candidate& pair) { return pair.whole->mean(); });
+  for (const Candidate& pair : pairs) {
+    if (later.size() == kSeconds) break;
+    const auto alone = std::ranges::find(glanced, std::vector{pair.fields.back()}, &Candidate::fields);
+    if (alone == glanced.end()) continue;
+    Candidate second = *alone;
+    second.to = pair.change.to;
+    second.change = pair.change;
+    second.config = second.before;
+    second.change.apply(second.config);
+    add(second);
+  }
+  for (const Candidate& one : glanced)
+    if (one.change.usual) add(one);
+  return later;
+}
+
+// Changes on top of these first ones, of a few at a time and as long as none settles it.
+std::vector<Candidate> search_pairs(Search& search, std::span<const Candidate> firsts, const BestAlone& alone,
                                     const Progress& progress) {
   constexpr std::size_t kTogether = 5;
-  const std::vector<Candidate> firsts = firsts_of_pairs(glanced);
-  const BestAlone alone(glanced);
   std::vector<Candidate> found;
   for (std::size_t i = 0; i < firsts.size() && !any_settles(found, search); i += kTogether) {
     const std::size_t count = std::min(kTogether, firsts.size() - i);
     const auto share = [&](std::size_t k) {
       return static_cast<double>(k) / static_cast<double>(firsts.size());
     };
-    append(search_pairs_of(search, std::span(firsts).subspan(i, count), alone,
+    append(search_pairs_of(search, firsts.subspan(i, count), alone,
                            part_of(progress, share(i), share(i + count))),
            found);
   }
+  return found;
+}
+
+// Changes of two fields.
+std::vector<Candidate> search_pairs(Search& search, const std::vector<Candidate>& glanced,
+                                    const Progress& progress) {
+  const BestAlone alone(glanced);
+  const std::vector<Candidate> firsts = firsts_of_pairs(glanced);
+  std::vector<Candidate> found = search_pairs(search, firsts, alone, part_of(progress, 0, 0.6));
+  if (any_settles(found, search)) return found;
+  append(search_pairs(search, later_firsts(glanced, firsts, found), alone, part_of(progress, 0.6, 1)), found);
   return found;
 }
 

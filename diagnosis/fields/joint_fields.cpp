@@ -65,14 +65,14 @@ void turn_around(EnvConfig& c, const std::set<std::string>& joints) {
 template <typename Visit>
 void for_each_order(const Context& context, const Visit& visit) {
   for (const JointOrder& order : joint_orders())
-    visit(std::string(order.name), joints_in_order(order, context.servos));
+    visit(std::string(order.name), joints_in_order(order, context.servos), true);
   std::array<Leg, 4> legs{Leg::FL, Leg::FR, Leg::RL, Leg::RR};
   do {
     for (const auto by : {JointOrder::By::kLeg, JointOrder::By::kDepth}) {
       const JointOrder order{"", by, legs, false, ""};
       visit(fmt::format("{}, {}", legs_in_words(legs),
                         by == JointOrder::By::kLeg ? "leg after leg" : "all hips first"),
-            joints_in_order(order, context.servos));
+            joints_in_order(order, context.servos), false);
     }
   } while (std::next_permutation(legs.begin(), legs.end()));
 }
@@ -127,10 +127,14 @@ Fields joint_order(const Context& context) {
       values.insert(*context.config.joints.home.find(servo.joint));
     return values.size() == 1;
   }();
-  for_each_order(context, [&](const std::string& words, std::vector<std::string> order) {
+  const auto add = [&](FieldChange change, bool usual) {
+    change.usual = usual;
+    field.changes.push_back(std::move(change));
+  };
+  for_each_order(context, [&](const std::string& words, std::vector<std::string> order, bool usual) {
     if (!seen.insert(order).second) return;
-    if (!same_home) field.changes.push_back(order_with_lists(words, order));
-    field.changes.push_back(order_change(words, std::move(order)));
+    if (!same_home) add(order_with_lists(words, order), usual);
+    add(order_change(words, std::move(order)), usual);
   });
   return {std::move(field)};
 }
@@ -145,11 +149,11 @@ Fields joints_observed(const Context& context) {
                        seen_in_action_order ? "as the action" : fmt::format("{}", fmt::join(present, " ")),
                        {}};
   std::set<std::vector<std::string>> seen{present};
-  const auto add = [&](const std::string& words, const std::vector<std::string>& order) {
+  const auto add = [&](const std::string& words, const std::vector<std::string>& order, bool usual) {
     if (seen.insert(order).second)
-      field.changes.push_back({words, [order](EnvConfig& c) { c.joints.observed = order; }});
+      field.changes.push_back({words, [order](EnvConfig& c) { c.joints.observed = order; }, {}, usual});
   };
-  add("as the action", joints.order);
+  add("as the action", joints.order, true);
   for_each_order(context, add);
   return {std::move(field)};
 }

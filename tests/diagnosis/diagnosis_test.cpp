@@ -66,6 +66,15 @@ TEST(Diagnose, NamesTwoFaultsAtOnce) {
   EXPECT_EQ(found.ranking.front().field, "joints.scale + servos.kp");
 }
 
+// With either fault alone it falls as soon as with both.
+TEST(Diagnose, NamesTwoFaultsOfWhichNeitherShowsAlone) {
+  const Diagnosis found = diagnosis_of(
+      "observation: [{block: base_linear_velocity_local, scale: [-1, -1, -1]}, base_angular_velocity_local, "
+      "gravity, joint_velocities, joint_offsets, last_action, command]");
+  ASSERT_TRUE(found.cause);
+  EXPECT_EQ(found.ranking.front().field, "observation.base_linear_velocity_local.sign + observation");
+}
+
 TEST(Search, APairOfWhichOneCuresAloneStandsBehindIt) {
   std::vector<Candidate> ranked(4);
   ranked[0].fields = {"servos.kp", "joints.observed"};
