@@ -60,7 +60,8 @@ class DifferenceFinder {
     }
     add("base", "collision shapes", "", static_cast<double>(a.bodies[0].shapes.size()),
         static_cast<double>(b.bodies[0].shapes.size()));
-    add("base", "length of them", "m", length_of(a.bodies[0]), length_of(b.bodies[0]), length_);
+    add("base", "length of the collision shapes", "m", length_of(a.bodies[0]), length_of(b.bodies[0]),
+        length_);
     add_place("base", "origin from the middle of the hips", -a_.middle, -b_.middle);
     add_place("base", "centre of mass", a_.poses[0] * a.bodies[0].inertia.p_BC - a_.middle,
               b_.poses[0] * b.bodies[0].inertia.p_BC - b_.middle);
@@ -139,7 +140,7 @@ class DifferenceFinder {
     }
     add(of, "collision shapes", "", static_cast<double>(a.shapes.size()),
         static_cast<double>(b.shapes.size()));
-    add(of, "length of them", "m", length_of(a), length_of(b), length_);
+    add(of, "length of the collision shapes", "m", length_of(a), length_of(b), length_);
     add(of, "home", "rad", a_.robot.home[i], sign * b_.robot.home[j]);
     for (const JointNumber& number : kJointNumbers) {
       if (number.member != &Joint::effort_negative)

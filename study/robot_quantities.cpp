@@ -21,6 +21,7 @@ namespace {
 
 using List = std::vector<double>;
 constexpr const char* kOfFile = "the file";
+constexpr const char* kOfYaml = "the robot.yaml";
 
 std::string value_text(const QuantityValue& value) {
   if (const auto* number = std::get_if<double>(&value)) return fmt::format("{:.4g}", *number);
@@ -204,7 +205,9 @@ class Quantities {
       const bool is_said = file != nullptr && (stated || loaded_.report.contact.has_mujoco_defaults);
       const std::string of_file =
           stated ? fmt::format("the file (with {})", loaded_.report.contact.ground) : "MuJoCo's default";
-      std::string why = !is_said               ? "the world's; the file says nothing"
+      const bool of_yaml = (!is_said || says != used) && is_of_robot(name, used);
+      std::string why = of_yaml                ? kOfYaml
+                        : !is_said             ? "the world's; the file says nothing"
                         : says == used         ? of_file
                         : of_world_alone(name) ? "not simulated"
                                                : "the world's";
@@ -237,6 +240,17 @@ class Quantities {
       add(of, name, "", unused.number, QuantityValue(), "not simulated: " + unused.why);
   }
 
+  /// Whether the robot itself asks for this of contacts: where its file does not, its robot.yaml does.
+  bool is_of_robot(std::string_view name, const List& used) const {
+    if (of_world_alone(name)) return false;
+    const std::vector<double>* asked = loaded_.robot.contact.find(name);
+    if (asked == nullptr) return false;
+    ContactSpec contact;
+    const ContactSetting& setting = find_contact_setting(name, "world");
+    setting.set(contact, *asked);
+    return setting.get(contact) == used;
+  }
+
   static bool of_world_alone(std::string_view name) { return name == "margin" || name == "gap"; }
 
   void add_world() {
@@ -263,9 +277,14 @@ class Quantities {
         file.cone == crossgait::name(world_.contact.cone) ? kOfFile
         : is_pyramid
             ? "MuJoCo's pyramids, its default, are of no other engine: --contact cone=pyramidal in it alone"
-            : "the world's");
+            : of_robot_or_world("cone"));
     add("world", "impratio", "", number(file.impratio), world_.contact.impratio,
-        file.impratio == world_.contact.impratio ? kOfFile : "the world's");
+        file.impratio == world_.contact.impratio ? kOfFile : of_robot_or_world("impratio"));
+  }
+
+  const char* of_robot_or_world(std::string_view name) const {
+    return is_of_robot(name, find_contact_setting(name, "world").get(world_.contact)) ? kOfYaml
+                                                                                      : "the world's";
   }
 
   const LoadedRobot& loaded_;

@@ -65,7 +65,7 @@ class Scene {
     prepare();
     ReaderWarnings of_robot;  // what is said of robots' files
     MjcfParts parts = take_parts(document_, of_robot);
-    const MjcfModel model = compile_parts(document_, parts, of_robot);
+    const MjcfModel model = compile_parts(document_, defaults_, parts, of_robot);
     add_shapes(model, parts);
   }
 

@@ -138,12 +138,14 @@ void ContactSettings::set(std::string_view name, std::vector<double> numbers, st
                           : fmt::format("{} to {} numbers ({})", setting.least, setting.most, setting.help),
                       fmt::format("{}", numbers.size()));
   }
+  if (setting.name == "condim")  // a whole number, which the setting is made of
+    require(numbers[0] == 3 || numbers[0] == 4 || numbers[0] == 6, source, element, "3, 4 or 6", numbers[0]);
   ContactSpec contact;
   setting.set(contact, numbers);
+  require(contact.impratio > 0 && contact.impratio <= kMostImpratio, source, element,
+          fmt::format("a ratio in (0, {:g}]", kMostImpratio), contact.impratio);
   try {
     validate_contact(contact, source);
-    require(contact.impratio <= kMostImpratio, source, element,
-            fmt::format("a ratio in (0, {:g}]", kMostImpratio), contact.impratio);
   } catch (const ConfigError& error) {
     throw ConfigError(source, element, error.expected(), error.found());
   }

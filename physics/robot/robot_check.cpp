@@ -88,6 +88,17 @@ void check_bodies(const RobotDescription& robot) {
   }
 }
 
+/// Name of a body, also of one that does not exist.
+std::string body_name(const RobotDescription& robot, int body) {
+  const bool exists = body >= 0 && body <= robot.joint_count();
+  return exists ? fmt::format("link '{}'", robot.bodies[static_cast<std::size_t>(body)].name) : "no link";
+}
+
+std::string joint_name(const RobotDescription& robot, int joint) {
+  const bool exists = joint >= 0 && joint < robot.joint_count();
+  return exists ? fmt::format("joint '{}'", robot.joint(joint).name) : "no joint";
+}
+
 void check_loops(const RobotDescription& robot) {
   std::set<std::string> names;
   const auto is_body = [&](int i) { return i >= 0 && i <= robot.joint_count(); };
@@ -95,7 +106,7 @@ void check_loops(const RobotDescription& robot) {
     const Reporter report(source_of(robot), fmt::format("loop '{}'", loop.name));
     report.require(!loop.name.empty() && names.insert(loop.name).second, "a unique name", "a second one");
     report.require(is_body(loop.body_a) && is_body(loop.body_b) && loop.body_a != loop.body_b, "two bodies",
-                   fmt::format("{} and {}", loop.body_a, loop.body_b));
+                   fmt::format("{} and {}", body_name(robot, loop.body_a), body_name(robot, loop.body_b)));
     report.finite(loop.p_AP, "point on body a (m)");
     report.finite(loop.p_BP, "point on body b (m)");
   }
@@ -109,7 +120,8 @@ void check_couplings(const RobotDescription& robot) {
         is_joint(coupling.follower) && is_joint(coupling.leader) && coupling.follower != coupling.leader;
     Reporter(source_of(robot), "couplings")
         .require(has_joints, "a follower and another joint that leads it",
-                 fmt::format("joints {} and {}", coupling.follower, coupling.leader));
+                 fmt::format("{} and {}", joint_name(robot, coupling.follower),
+                             joint_name(robot, coupling.leader)));
     const std::string element = fmt::format("coupling of joint '{}'", robot.joint(coupling.follower).name);
     const Reporter report(source_of(robot), element);
     report.require(followers.insert(coupling.follower).second, "one joint that it follows", "a second one");
@@ -125,12 +137,6 @@ void check_couplings(const RobotDescription& robot) {
                  "a joint that leads and follows none in the end",
                  fmt::format("'{}', which follows it in a circle", robot.joint(coupling.leader).name));
   }
-}
-
-/// Name of a body, also of one that does not exist.
-std::string body_name(const RobotDescription& robot, int body) {
-  const bool exists = body >= 0 && body <= robot.joint_count();
-  return exists ? fmt::format("link '{}'", robot.bodies[static_cast<std::size_t>(body)].name) : "no link";
 }
 
 void check_roles(const RobotDescription& robot, Leg leg, std::set<int>& used) {
@@ -272,6 +278,8 @@ void check_joint(const Joint& joint, std::string_view source) {
   for (const JointNumber& number : kJointNumbers) {
     if (number.of == JointNumberOf::kJoint || joint.actuated) check(number);
   }
+  report.require(!joint.actuated || joint.no_load_speed > 0 || joint.corner_speed == 0,
+                 "no_load_speed (rad/s) beside corner_speed, which means nothing alone", "none");
   report.require(!joint.actuated || joint.no_load_speed == 0 || joint.no_load_speed > joint.corner_speed,
                  "corner_speed < no_load_speed (rad/s)",
                  fmt::format("{} and {}", joint.corner_speed, joint.no_load_speed));

@@ -100,6 +100,10 @@ class RobotBuilder {
   void follow_servos_of_home(const YamlValue& values, Leg leg);
   /// Reads angles per role, for every leg or each; passive joints' are refined until the loops are closed.
   void read_home(const YamlValue& home);
+  std::vector<std::string_view> roles_of(Leg leg) const;
+  std::vector<std::string_view> roles_of_any_leg() const;
+  /// Checks angles that were said against their joints' limits. @throws ConfigError
+  void check_said_home(const YamlValue& home, const std::set<int>& said) const;
   void set_home_height();
   /// Returns the mean depth of the feet below the joints that swing them: hips, or the left shoulders.
   double home_depth() const;

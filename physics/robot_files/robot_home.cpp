@@ -53,6 +53,9 @@ void RobotBuilder::read_heights_and_home() {
   set_home_height();
   if (robot_.standing_height == 0) {
     robot_.standing_height = home_depth();
+    if (!(robot_.standing_height > 0))
+      throw ConfigError(robot_.source, "home", "feet below the hips or shoulders",
+                        fmt::format("feet {:.4g} m above them", -robot_.standing_height));
     infer("standing_height", fmt::format("{:.4g} m", robot_.standing_height),
           "depth of the feet below the hips or shoulders in the home pose");
   }
@@ -122,6 +125,33 @@ void RobotBuilder::follow_servos_of_home(const YamlValue& values, Leg leg) {
   for (std::size_t i = 0; i < joints.size(); ++i) robot_.home[joints[i]] = q[static_cast<Eigen::Index>(i)];
 }
 
+std::vector<std::string_view> RobotBuilder::roles_of(Leg leg) const {
+  std::vector<std::string_view> roles;
+  for (const LegRole& role : (*robot_.legs)[leg].roles()) roles.push_back(role.name);
+  return roles;
+}
+
+std::vector<std::string_view> RobotBuilder::roles_of_any_leg() const {
+  std::vector<std::string_view> all;
+  for (const Leg leg : kLegs) {
+    for (const std::string_view role : roles_of(leg))
+      if (std::ranges::find(all, role) == all.end()) all.push_back(role);
+  }
+  return all;
+}
+
+void RobotBuilder::check_said_home(const YamlValue& home, const std::set<int>& said) const {
+  for (const int i : said) {
+    const Joint& joint = robot_.joint(i);
+    const auto is_within = [&joint](double angle) { return angle >= joint.lower && angle <= joint.upper; };
+    if (is_within(robot_.home[i])) continue;
+    const bool likely_degrees =
+        std::abs(robot_.home[i]) > 2 * M_PI && is_within(robot_.home[i] / kDegreesPerRadian);
+    home.fail(fmt::format("joint '{}' in {:.4g}..{:.4g} rad", joint.name, joint.lower, joint.upper),
+              fmt::format("{:.4g}{}", robot_.home[i], likely_degrees ? ", likely degrees" : ""));
+  }
+}
+
 void RobotBuilder::read_home(const YamlValue& home) {
   robot_.home = JointVector::Zero(robot_.joint_count());
   const bool by_leg = home.find(name(Leg::FL)).has_value();
@@ -132,11 +162,9 @@ void RobotBuilder::read_home(const YamlValue& home) {
     const YamlValue values = by_leg ? home.at(name(leg)) : home;
     const bool is_closed_chain = model.linkage == LegLinkage::kClosedChain;
     if (model.linkage == LegLinkage::kFiveBar || is_closed_chain) {
-      std::vector<std::string_view> roles;
-      for (const LegRole& role : model.roles()) roles.push_back(role.name);
-      values.allow_keys(roles);
+      values.allow_keys(roles_of(leg));
     } else {
-      values.allow_keys({"abduction", "hip", "knee", "ankle"});
+      values.allow_keys(by_leg ? roles_of(leg) : roles_of_any_leg());
     }
     if (is_closed_chain) follow_servos_of_home(values, leg);
     for (const LegRole& role : model.roles()) {
@@ -155,6 +183,7 @@ void RobotBuilder::read_home(const YamlValue& home) {
     if (!said.contains(i) && robot_.coupling_of(i)) robot_.home[i] = placed[i];
   }
   if (!close_home()) home.fail(kClosedHome, kOpen);
+  check_said_home(home, said);
 }
 
 void RobotBuilder::set_home_height() {

@@ -242,6 +242,36 @@ TEST_F(MjcfReader, AMeshGivesMassWhereNoneIsGiven) {
   EXPECT_NEAR(inertia.I_C(2, 2), 0.048 / 12 * (0.02 * 0.02 + 0.04 * 0.04), 1e-10);
 }
 
+/// A prism over an L of three squares, 3 litres, its faces two triangles or fans each.
+const char* const kPrismOverL =
+    "v 0 0 0\nv .2 0 0\nv .2 .1 0\nv .1 .1 0\nv .1 .2 0\nv 0 .2 0\n"
+    "v 0 0 .1\nv .2 0 .1\nv .2 .1 .1\nv .1 .1 .1\nv .1 .2 .1\nv 0 .2 .1\n"
+    "f 1 3 2\nf 1 4 3\nf 1 5 4\nf 1 6 5\nf 7 8 9\nf 7 9 10\nf 7 10 11\nf 7 11 12\n"
+    "f 1 2 8\nf 1 8 7\nf 2 3 9\nf 2 9 8\nf 3 4 10\nf 3 10 9\nf 4 5 11\nf 4 11 10\nf 5 6 12\nf 5 12 11\n"
+    "f 6 1 7\nf 6 7 12\n";
+
+// Compilers differ in what a mesh that is not convex weighs; in what is within its faces they do not.
+TEST_F(MjcfReader, AMeshThatIsNotConvexWeighsWhatIsAskedForOrIsToldOf) {
+  write("l.obj", kPrismOverL);
+  MadeMjcf mjcf;
+  mjcf.thigh_inertial = "";
+  mjcf.thigh = R"(<geom type="mesh" mesh="l" density="1000"/>)";
+  const auto mass = [&](const char* asset, const char* compiler, const char* defaults) {
+    mjcf.asset = asset, mjcf.compiler = compiler, mjcf.defaults = defaults;
+    return body(tree(mjcf), "FL_thigh").inertia.mass;
+  };
+  constexpr double kFloats = 3e-6;  // of 3 kg: vertices are floats
+  EXPECT_NEAR(mass(R"(<mesh file="l.obj" inertia="exact"/>)", "", ""), 3, kFloats);
+  EXPECT_NEAR(mass(R"(<mesh file="l.obj"/>)", R"(<compiler exactmeshinertia="true"/>)", ""), 3, kFloats);
+  EXPECT_NEAR(mass(R"(<mesh file="l.obj"/>)", "", R"(<mesh inertia="exact"/>)"), 3, kFloats);
+  EXPECT_FALSE(warns(tree(mjcf).warnings, "within its faces"));
+  EXPECT_FALSE(warns(tree(mjcf).warnings, "'inertia'"));
+  const double as_compiled = mass(R"(<mesh file="l.obj"/>)", "", "");
+  EXPECT_GT(std::abs(as_compiled - 3), 0.03) << "or this test says nothing";
+  EXPECT_TRUE(warns(tree(mjcf).warnings, fmt::format("{:.4g} kg and moments", as_compiled)));
+  EXPECT_TRUE(warns(tree(mjcf).warnings, "within its faces are 3 kg"));
+}
+
 TEST_F(MjcfReader, MeshesThatAreNotThereAreDroppedAndCounted) {
   MadeMjcf mjcf;
   mjcf.asset = R"(<mesh name="gone" file="gone.stl"/><mesh name="foreign" file="../gone.ply"/>)";

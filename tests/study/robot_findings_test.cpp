@@ -162,6 +162,48 @@ TEST(RobotFindings, ALineBetweenTwoJointsHasNoDensity) {
   EXPECT_EQ(finding_of(robot_findings(loaded), fmt::format("link '{}'", hip.name), "kg/m^3"), nullptr);
 }
 
+TEST(RobotFindings, FeetOfAnotherUnitAndOnesInTheAirAreTold) {
+  for (const auto& [factor, unit] : {std::pair(1e3, "mm"), std::pair(1e2, "cm")}) {
+    LoadedRobot loaded = quadruped();
+    LegModel& leg = (*loaded.robot.legs)[Leg::RR];
+    leg.foot_radius *= factor;
+    shin(loaded, Leg::RR).shapes.back().size *= factor;
+    const auto findings = robot_findings(loaded);
+    const RobotFinding* finding = finding_of(findings, "legs.RR", "its foot has a radius");
+    ASSERT_NE(finding, nullptr);
+    EXPECT_EQ(finding->severity, Severity::kError);
+    EXPECT_EQ(finding->likely, fmt::format("its radius in {}", unit));
+  }
+  LoadedRobot loaded = quadruped();
+  (*loaded.robot.legs)[Leg::FL].foot_radius *= 1e-3;
+  EXPECT_NE(finding_of(robot_findings(loaded), "legs.FL", "its foot has a radius of 2e-05 m"), nullptr);
+  loaded = quadruped();
+  loaded.robot.home[(*loaded.robot.legs)[Leg::RR].joint("knee")] -= 0.5;
+  EXPECT_NE(finding_of(robot_findings(loaded), "robot", "some hang in the air"), nullptr);
+}
+
+TEST(RobotFindings, LegsOfOtherNamesThanTheirPlacesAreTold) {
+  LoadedRobot loaded = quadruped();
+  std::swap((*loaded.robot.legs)[Leg::FL], (*loaded.robot.legs)[Leg::FR]);
+  const auto findings = robot_findings(loaded);
+  EXPECT_NE(finding_of(findings, "legs.FL", "expected ahead and to the left of it"), nullptr);
+  EXPECT_NE(finding_of(findings, "legs.FR", "expected ahead and to the right of it"), nullptr);
+  EXPECT_EQ(finding_of(findings, "legs.RL", "its hip is at"), nullptr);
+}
+
+TEST(RobotFindings, AxesThatAreNoMirrorImagesAndServosThatHoldNothingAreTold) {
+  LoadedRobot loaded = quadruped();
+  const int abduction = (*loaded.robot.legs)[Leg::FL].joint("abduction");
+  Joint& joint = loaded.robot.bodies[static_cast<std::size_t>(abduction) + 1].joint;
+  joint.axis = -joint.axis;  // whichever way it points
+  EXPECT_EQ(describe(robot_findings(loaded)), "");
+  joint.axis = Vector3::UnitZ();
+  joint.kp = 0;
+  const auto findings = robot_findings(loaded);
+  EXPECT_NE(finding_of(findings, "legs", "left and right are unlike: at home their axes are"), nullptr);
+  EXPECT_NE(finding_of(findings, fmt::format("joint '{}'", joint.name), "it holds no angle"), nullptr);
+}
+
 TEST(LinkBox, IsAsLargeHoweverItIsTurned) {
   CollisionShape box;
   box.type = ShapeType::kBox;

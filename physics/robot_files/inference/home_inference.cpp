@@ -37,6 +37,7 @@ class PlanarLeg {
     knee_sign_ = axis_.dot(X_knee.linear() * robot.joint(knee()).axis) < 0 ? -1 : 1;
     thigh_ = across(X_knee.translation() - X_.translation(), axis_);
     shin_ = across(X_knee * model_.p_BF - X_knee.translation(), axis_);
+    aside_ = axis_.dot(X_knee * model_.p_BF - X_.translation());
   }
 
   double hip_x() const { return X_.translation().x(); }
@@ -47,7 +48,7 @@ class PlanarLeg {
   /// @param bend  +1: knee ahead of the line from hip to foot, -1: behind it
   /// @returns nothing if a limit forbids it
   std::optional<std::vector<double>> stand(double depth, double forward, int bend) const {
-    const Vector3 foot = across(Vector3(forward, 0, -depth), axis_);
+    const Vector3 foot = foot_in_plane(depth, forward);
     const double u = thigh_.norm(), l = shin_.norm();
     const double cosine = (foot.squaredNorm() - u * u - l * l) / (2 * u * l);
     if (!(std::abs(cosine) <= 1)) return std::nullopt;
@@ -92,6 +93,16 @@ class PlanarLeg {
     return X_ * X_abduction * Eigen::AngleAxisd(abduction_, joint.axis) * X_knee;
   }
 
+  /// Finds the foot from the hip in the leg's plane, which need not be upright: `depth` and `forward` are the
+  /// base's. Of legs that swing more aside than ahead they cannot both be had: these come near.
+  Vector3 foot_in_plane(double depth, double forward) const {
+    constexpr double kAhead = 0.5;
+    if (axis_.y() < kAhead) return across(Vector3(forward, 0, -depth), axis_);
+    Vector3 foot(forward - aside_ * axis_.x(), 0, -depth - aside_ * axis_.z());
+    foot.y() = -(foot.x() * axis_.x() + foot.z() * axis_.z()) / axis_.y();
+    return foot;
+  }
+
   int hip() const { return model_.joint("hip"); }
   int knee() const { return model_.joint("knee"); }
   const Body& body(int joint) const { return robot_.bodies[static_cast<std::size_t>(joint) + 1]; }
@@ -101,6 +112,7 @@ class PlanarLeg {
   double abduction_ = 0;
   Pose X_ = Pose::Identity();  // of the hip's body in the base at zero hip angle
   Vector3 axis_, thigh_, shin_;
+  double aside_ = 0;  // of the foot from the hip, along the axis
   double hip_sign_ = 1, knee_sign_ = 1;
 };
 

@@ -11,9 +11,10 @@ namespace crossgait {
 namespace {
 
 constexpr double kOneDirection = 0.8;  // cosine of the largest angle between axes of one direction
-constexpr double kRound = 0.7;         // of a wheel's radius: the least that it reaches in any direction
+// Of a wheel's radius: the least that it reaches in any direction. A hexagon has 0.87, a square 0.71.
+constexpr double kRound = 0.85;
 constexpr int kDirections = 8;
-constexpr double kOffCentre = 0.3;    // of a wheel's radius: its middle off its axis
+constexpr double kOffCentre = 0.1;    // of a wheel's radius: its middle off its axis
 constexpr double kWholeTurn = 6.283;  // rad, of limits that are none
 constexpr std::size_t kMostHeld = 2;
 
@@ -56,10 +57,8 @@ std::optional<Wheel> wheel_of(const ParsedRobot& robot, int index) {
     const double angle = M_PI * i / kDirections;
     const Vector3 direction = std::cos(angle) * first + std::sin(angle) * second;
     double reach = 0;
-    for (const CollisionShape& shape : body.shapes) {
-      for (const Vector3& p : outline_of(robot, shape))
-        reach = std::max(reach, std::abs(direction.dot(p - middle)) + rounding_of(robot, shape));
-    }
+    for (const CollisionShape& shape : body.shapes)
+      reach = std::max(reach, reach_of(robot, shape, middle, direction));
     most = std::max(most, reach);
     least = std::min(least, reach);
   }

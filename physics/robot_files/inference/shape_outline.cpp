@@ -1,5 +1,8 @@
 #include "physics/robot_files/inference/shape_outline.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace crossgait {
 
 std::array<Vector3, 2> ends_of(const CollisionShape& shape) {
@@ -28,6 +31,18 @@ std::vector<Vector3> outline_of(const ParsedRobot& robot, const CollisionShape& 
 double rounding_of(const ParsedRobot& robot, const CollisionShape& shape) {
   const bool is_flat = shape.type == ShapeType::kBox || shape.type == ShapeType::kHull;
   return is_flat || robot.mesh_vertices.contains(shape.name) ? 0 : shape.size[0];
+}
+
+double reach_of(const ParsedRobot& robot, const CollisionShape& shape, const Vector3& point,
+                const Vector3& direction) {
+  // The rim of a cylinder is flat: nothing of it reaches along its axis.
+  const bool has_rim = shape.type == ShapeType::kCylinder && !robot.mesh_vertices.contains(shape.name);
+  const double along = has_rim ? direction.dot(shape.X_BG.linear().col(2)) : 0,
+               rounding = rounding_of(robot, shape) * std::sqrt(std::max(0.0, 1 - along * along));
+  double reach = 0;
+  for (const Vector3& p : outline_of(robot, shape))
+    reach = std::max(reach, std::abs(direction.dot(p - point)) + rounding);
+  return reach;
 }
 
 }  // namespace crossgait

@@ -18,4 +18,9 @@ std::vector<Vector3> outline_of(const ParsedRobot& robot, const CollisionShape& 
 /// Says how far a shape reaches from its outline: a sphere's, cylinder's or capsule's radius, 0 of others, m.
 double rounding_of(const ParsedRobot& robot, const CollisionShape& shape);
 
+/// Returns how far a shape reaches from a point along a unit vector, either way, m; exactly of cylinders,
+/// too.
+double reach_of(const ParsedRobot& robot, const CollisionShape& shape, const Vector3& point,
+                const Vector3& direction);
+
 }  // namespace crossgait

@@ -1,11 +1,14 @@
 #include "physics/robot_files/mjcf/mjcf_compile.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -131,14 +134,103 @@ std::vector<MjcfFile> give_meshes(const std::set<std::string>& names, MjcfParts&
   return files;
 }
 
+/// By which rule a mesh's mass follows from its faces.
+enum class MeshRule { kUnstated, kExact, kOther };
+
+/// What the file says of every mesh. Takes what asks for the exact rule out of the document: older compilers
+/// know it as a setting of all meshes, newer ones as one of each.
+std::map<std::string, MeshRule> take_mesh_rules(MjcfDocument& document, const MjcfDefaults& defaults,
+                                                MjcfParts& parts) {
+  bool all_exact = false;
+  for (MjcfElement& section : document.root().children) {
+    if (section.tag != "compiler" || !section.has("exactmeshinertia")) continue;
+    all_exact = section.attribute("exactmeshinertia") == "true";
+    section.remove("exactmeshinertia");
+  }
+  std::map<std::string, MeshRule> rules;
+  for (auto& [name, mesh] : parts.meshes) {
+    const MjcfElement* says =
+        defaults.find(mesh.original, std::string(mesh.original.attribute("class")), "inertia");
+    const bool exact = says == nullptr ? all_exact : says->attribute("inertia") == "exact";
+    rules[name] = exact ? MeshRule::kExact : says == nullptr ? MeshRule::kUnstated : MeshRule::kOther;
+    if (exact) mesh.original.remove("inertia");
+  }
+  for_each_mjcf_element(document.root(), [](MjcfElement& e) {
+    if (e.tag == "mesh" && e.attribute("inertia") == "exact") e.remove("inertia");
+  });
+  return rules;
+}
+
+/// The model with exact masses of all meshes, or nothing where their faces do not enclose anything.
+std::optional<MjcfModel> compile_exactly(MjcfDocument& document, const std::vector<MjcfFile>& files,
+                                         const MjcfParts& parts) {
+  const auto compiled = [&](std::string xml) -> std::optional<MjcfModel> {
+    try {
+      return compile_mjcf({document.path(), std::move(xml), files});
+    } catch (const std::runtime_error&) {
+      return std::nullopt;
+    }
+  };
+  std::string of_all = document.print().xml;
+  of_all.insert(of_all.rfind("</"), "<compiler exactmeshinertia=\"true\"/>");
+  if (auto model = compiled(std::move(of_all))) return model;
+  std::vector<std::pair<MjcfElement*, std::string>> before;
+  for (const auto& [name, mesh] : parts.meshes) {
+    if (mesh.element == nullptr) continue;
+    before.emplace_back(mesh.element, mesh.element->attribute("inertia"));
+    mesh.element->set("inertia", "exact");
+  }
+  auto model = compiled(document.print().xml);
+  for (const auto& [element, rule] : before)
+    rule.empty() ? element->remove("inertia") : element->set("inertia", rule);
+  return model;
+}
+
+bool is_apart(double a, double b) { return std::abs(a - b) > 0.01 * std::max(std::abs(a), std::abs(b)); }
+
+/// Takes exact masses for bodies all of whose meshes ask for them; of those that ask for nothing it says
+/// where they differ.
+void take_exact_masses(const MjcfModel& exact, const std::map<std::string, MeshRule>& rules,
+                       const MjcfParts& parts, const std::string& file, MjcfModel& model,
+                       ReaderWarnings& warnings) {
+  std::map<int, std::set<MeshRule>> of_body;
+  for (const MjcfGeom& geom : model.geoms) {
+    const std::string fitted_to(parts.element("geom", geom.name).attribute("mesh"));
+    const auto rule = rules.find(geom.type == MjcfGeomType::kMesh ? geom.mesh : fitted_to);
+    if (rule != rules.end()) of_body[geom.body].insert(rule->second);
+  }
+  for (const auto& [index, asked] : of_body) {
+    MjcfBody& body = model.bodies[static_cast<std::size_t>(index)];
+    const SpatialInertia& other = exact.bodies[static_cast<std::size_t>(index)].inertia;
+    const bool differ =
+        is_apart(body.inertia.mass, other.mass) || is_apart(body.inertia.I_C.trace(), other.I_C.trace());
+    if (asked == std::set{MeshRule::kExact}) {
+      body.inertia = other;
+    } else if (differ && !asked.contains(MeshRule::kOther)) {
+      warnings.add(fmt::format(
+          "{}: {:.4g} kg and moments of {:.3g} kg m^2 together by this compiler's rule for meshes that are "
+          "not "
+          "convex, which differs from release to release; within its faces are {:.4g} kg and {:.3g} kg m^2, "
+          "which inertia=\"exact\" of its <mesh> takes",
+          mjcf_place(parts.element("body", body.name), file), body.inertia.mass, body.inertia.I_C.trace(),
+          other.mass, other.I_C.trace()));
+    }
+  }
+}
+
 }  // namespace
 
-MjcfModel compile_parts(MjcfDocument& document, MjcfParts& parts, ReaderWarnings& warnings) {
+MjcfModel compile_parts(MjcfDocument& document, const MjcfDefaults& defaults, MjcfParts& parts,
+                        ReaderWarnings& warnings) {
+  const std::map<std::string, MeshRule> rules = take_mesh_rules(document, defaults, parts);
   Compilation compilation(document, warnings);
   MjcfModel model = compilation.run({});
-  const std::vector<MjcfFile> files = give_meshes(meshes_that_weigh(model, parts), parts);
-  if (files.empty()) return model;
-  const MjcfModel weighed = compilation.run(files);
+  const std::set<std::string> weigh = meshes_that_weigh(model, parts);
+  if (weigh.empty()) return model;
+  const std::vector<MjcfFile> files = give_meshes(weigh, parts);
+  MjcfModel weighed = compilation.run(files);
+  if (const auto exact = compile_exactly(document, files, parts))
+    take_exact_masses(*exact, rules, parts, document.path(), weighed, warnings);
   for (std::size_t i = 0; i < model.bodies.size(); ++i) model.bodies[i].inertia = weighed.bodies[i].inertia;
   for (std::size_t i = 0; i < model.geoms.size(); ++i) {
     // A mesh's own frame is lost once its vertices are moved to its principal axes.

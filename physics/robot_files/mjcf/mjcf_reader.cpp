@@ -371,7 +371,7 @@ ParsedRobot read_mjcf(const std::string& path) {
   const std::vector<MjcfActuator> actuators = take_actuators(document, defaults, warnings);
   MjcfParts parts = take_parts(document, warnings);
   const MjcfJointForces forces = take_newer(document, defaults, warnings);
-  const MjcfModel model = compile_parts(document, parts, warnings);
+  const MjcfModel model = compile_parts(document, defaults, parts, warnings);
   ParsedRobot robot = MjcfTree(path, parts, model, connects, warnings).build();
   robot.loop_softness = connects.softness;
   robot.coupled = std::move(couplings.others);

@@ -94,8 +94,8 @@ TEST(Coupling, WhatMeansNothingIsRefused) {
     return config_error([&] { robot.validate(); });
   };
   const JointVector zero = JointVector::Zero(3);
-  EXPECT_EQ(refusal({coupled(3, 0, 0, 1)}, zero).found(), "joints 3 and 0");
-  EXPECT_EQ(refusal({coupled(1, 1, 0, 1)}, zero).found(), "joints 1 and 1");
+  EXPECT_EQ(refusal({coupled(3, 0, 0, 1)}, zero).found(), "no joint and joint 'link_1_joint'");
+  EXPECT_EQ(refusal({coupled(1, 1, 0, 1)}, zero).found(), "joint 'link_2_joint' and joint 'link_2_joint'");
   const ConfigError second = refusal({coupled(1, 0, 0, 1), coupled(1, 2, 0, 1)}, zero);
   EXPECT_EQ(second.element(), "coupling of joint 'link_2_joint'");
   EXPECT_EQ(second.found(), "a second one");

@@ -63,7 +63,7 @@ TEST(Robot, SaysWhichBodiesALoopWouldJoin) {
   robot.legs.reset();
   robot.loops[1].body_a = 9;
   robot.loops[1].body_b = 21;
-  EXPECT_EQ(config_error([&] { robot.validate(); }).found(), "9 and 21");
+  EXPECT_EQ(config_error([&] { robot.validate(); }).found(), "link 'FR_lower_left' and no link");
 }
 
 // NOLINTNEXTLINE(readability-function-size): a table, a row for each member.

@@ -168,6 +168,16 @@ TEST_F(LegInference, WheelsAreHeldAndFeetOfTheirRadius) {
   check(found);
   EXPECT_TRUE(warns(found.report, "wheels do not turn: held are FL_wheel")) << found.report.warnings.front();
   check(load(urdf, "locked: [FL_wheel, FR_wheel, RL_wheel, RR_wheel]\n"));
+  // What is not round about the joint is none: a cylinder across it, a box, one off its axle.
+  for (const char* foot : {"<cylinder radius=\"0.07\" length=\"0.04\"/>", "<box size=\"0.14 0.04 0.14\"/>"}) {
+    urdf.foot = fmt::format("<collision><geometry>{}</geometry></collision>", foot);
+    EXPECT_FALSE(warns(load(urdf).report, "wheels")) << foot;
+  }
+  urdf.foot =
+      "<collision><origin xyz=\"0.01 0 0\" rpy=\"1.5707963267948966 0 0\"/><geometry><cylinder "
+      "radius=\"0.07\" "
+      "length=\"0.04\"/></geometry></collision>";
+  EXPECT_FALSE(warns(load(urdf).report, "wheels"));
   // A knee that turns all the way round is none.
   urdf.joints = [](Leg leg) {
     std::vector<ChainJoint> joints = ChainUrdf::usual(leg);
@@ -195,6 +205,24 @@ TEST_F(LegInference, LockedJointsDoNotCount) {
   EXPECT_LT(((*robot.legs)[Leg::FL].p_BF - Vector3(0, 0, -0.15) - toe).norm(), 1e-12);
   const ConfigError error = config_error([&] { (void)load(urdf, "locked: {FL_toe: 2}\n"); });
   EXPECT_NE(std::string(error.what()).find("an angle in -1..1 rad"), std::string::npos) << error.what();
+}
+
+// Planes of legs that are canted are not upright: how deep feet are is counted along the vertical all the
+// same.
+TEST_F(LegInference, CantedLegsStandAsHighAsUprightOnes) {
+  ChainUrdf urdf;
+  urdf.joints = ChainUrdf::usual;
+  for (const double cant : {0.0, 0.1, 0.3, -0.3}) {
+    const LoadedRobot loaded =
+        load(urdf, fmt::format("locked: {{FL_abduction: {0}, RL_abduction: {0}, FR_abduction: {1}, "
+                               "RR_abduction: {1}}}\n",
+                               cant, -cant));
+    for (const Leg leg : kLegs) {
+      const Vector3 foot = foot_from_hip(loaded.robot, leg);
+      EXPECT_NEAR(foot.z(), -loaded.robot.standing_height, 1e-12);  // rounding of lengths of 0.4 m
+      EXPECT_NEAR(foot.x(), loaded.robot.stance_offset, 1e-12);
+    }
+  }
 }
 
 TEST_F(LegInference, LegsOnASpineAreLegsAndTheSpineIsHeld) {
