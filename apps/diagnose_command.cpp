@@ -80,6 +80,11 @@ void add_diagnose_command(CLI::App& program, Invocation& invocation) {
   command->add_flag("--no-search", options->no_search, "Only see whether it does what it is asked");
   add_seed_option(*command, "--seed", options->how.seed, "Seed of the starts")->capture_default_str();
   add_workers_option(*command, options->how.workers);
+  command
+      ->add_option("--minutes", options->how.minutes,
+                   "After which no further changes of two fields are tried; 0: no limit")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
   add_output_option(*command, "--write", options->write,
                     "Write the environment with the first of the ranking, as YAML");
   options->page.add_to(

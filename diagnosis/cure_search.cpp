@@ -94,6 +94,7 @@ std::vector<Candidate> search_pairs_of(Search& search, std::span<const Candidate
   const double share = 0.8 / static_cast<double>(firsts.size());
   double done = 0;
   for (const Candidate& first : firsts) {
+    if (search.is_late()) break;
     std::vector<Candidate> seconds = search.changes(&first);
     std::erase_if(seconds, [&alone](const Candidate& second) { return !alone.has(second); });
     search.glance(seconds, part_of(progress, done, done + 0.75 * share));
@@ -179,7 +180,8 @@ std::vector<Candidate> search_pairs(Search& search, std::span<const Candidate> f
                                     const Progress& progress) {
   constexpr std::size_t kTogether = 5;
   std::vector<Candidate> found;
-  for (std::size_t i = 0; i < firsts.size() && !any_settles(found, search); i += kTogether) {
+  for (std::size_t i = 0; i < firsts.size() && !any_settles(found, search) && !search.is_late();
+       i += kTogether) {
     const std::size_t count = std::min(kTogether, firsts.size() - i);
     const auto share = [&](std::size_t k) {
       return static_cast<double>(k) / static_cast<double>(firsts.size());
@@ -197,7 +199,7 @@ std::vector<Candidate> search_pairs(Search& search, const std::vector<Candidate>
   const BestAlone alone(glanced);
   const std::vector<Candidate> firsts = firsts_of_pairs(glanced);
   std::vector<Candidate> found = search_pairs(search, firsts, alone, part_of(progress, 0, 0.6));
-  if (any_settles(found, search)) return found;
+  if (any_settles(found, search) || search.was_cut_short()) return found;
   append(search_pairs(search, later_firsts(glanced, firsts, found), alone, part_of(progress, 0.6, 1)), found);
   return found;
 }

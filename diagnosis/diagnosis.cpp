@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kConfidence = 0.95;
 constexpr std::size_t kRanked = 10;
+constexpr double kMostMinutes = 1e4;
 
 std::set<std::string> fields_of(const Candidate& candidate) {
   return {candidate.fields.begin(), candidate.fields.end()};
@@ -171,27 +172,41 @@ void conclude_uncured(Diagnosis& result, const LoadedEnv& environment, const Rel
                                ? "nothing that was tried helps"
                                : fmt::format("the best that was tried is {}, with which it {}",
                                              in_words(result.ranking.front()), result.ranking.front().leaves);
+  const std::string nothing =
+      result.cut_short
+          ? fmt::format("no change of one field cures it, nor any of two that were tried in {:g} minutes",
+                        options.minutes)
+          : "no change of one or two fields cures it";
+  const std::string longer = result.cut_short ? "search for longer (--minutes), or " : "";
   if (!options.home_engine) {
     result.abstained = true;
     result.experiment =
+        longer +
         "run it, as it is, in the engine that it was trained in (--home-engine): if it does what it is asked "
         "there, the physics is the cause; if not, the policy, or what it was asked";
-    result.summary = fmt::format("The policy {}, and no change of one or two fields cures it: {}.",
-                                 result.complaint, best);
+    result.summary = fmt::format("The policy {}, and {}: {}.", result.complaint, nothing, best);
     return;
   }
   LoadedEnv home = environment;
   home.config.engine = *options.home_engine;
   const WalkResult there = run_walks(home, policy, search.whole_test(), options.seed);
-  const bool walks = does_what_is_asked(there, search.whole_test().seeds);
-  result.cause = walks ? CauseKind::kPhysics : CauseKind::kPolicy;
-  result.summary =
-      walks ? fmt::format("The policy {} because of the physics: in {} it does what it is asked, as it is.",
-                          result.complaint, *options.home_engine)
-            : fmt::format(
-                  "The policy {}, in {} as well, and no change of one or two fields cures it: it is "
-                  "the policy itself, or what it was asked; {}.",
-                  result.complaint, *options.home_engine, best);
+  if (does_what_is_asked(there, search.whole_test().seeds)) {
+    result.cause = CauseKind::kPhysics;
+    result.summary =
+        fmt::format("The policy {} because of the physics: in {} it does what it is asked, as it is.",
+                    result.complaint, *options.home_engine);
+    return;
+  }
+  const std::string there_too =
+      fmt::format("The policy {}, in {} as well, and {}", result.complaint, *options.home_engine, nothing);
+  if (result.cut_short) {
+    result.abstained = true;
+    result.experiment = "search for longer (--minutes)";
+    result.summary = fmt::format("{}: {}.", there_too, best);
+    return;
+  }
+  result.cause = CauseKind::kPolicy;
+  result.summary = fmt::format("{}: it is the policy itself, or what it was asked; {}.", there_too, best);
 }
 
 void require_joints(const LoadedEnv& environment) {
@@ -205,6 +220,9 @@ void require_joints(const LoadedEnv& environment) {
 Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy_text,
                    const DiagnosisOptions& options, const Progress& progress) {
   require_joints(environment);
+  if (!(options.minutes >= 0 && options.minutes <= kMostMinutes))
+    throw ConfigError("diagnose", "minutes", fmt::format("0 (no limit) to {:g}", kMostMinutes),
+                      fmt::format("{:g}", options.minutes));
   if (options.home_engine) static_cast<void>(find_engine(*options.home_engine));
   const RelabelledPolicy policy = read_relabelled_policy(policy_text);
   Diagnosis result;
@@ -215,7 +233,7 @@ Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy_text,
   for (const StandingTest& test : result.tests)
     if (test.judged && !test.passed)
       suspicion.suspects.insert(suspicion.suspects.end(), test.suspects.begin(), test.suspects.end());
-  Search search(environment, policy, suspicion, options.workers, options.seed);
+  Search search(environment, policy, suspicion, options.workers, options.seed, options.minutes);
   const WalkResult patient = search.examine();
   result.test = search.whole_test();
   result.as_given = patient;
@@ -232,6 +250,7 @@ Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy_text,
     return result;
   }
   std::vector<Candidate> ranked = rank(search_cures(search, progress), search);
+  result.cut_short = search.was_cut_short();
   std::size_t rivals = 0;
   if (!ranked.empty()) {
     const std::size_t seeds = search.whole_test().seeds;

@@ -22,6 +22,9 @@ struct DiagnosisOptions {
       {};  ///< fields that nobody said, beside those that the policy's folder lists
   std::optional<std::string> home_engine = {};  ///< in which the policy was trained, where that is known
   bool search = true;                           ///< else it is only seen whether it does what it is asked
+  /// After so long no further pairs are begun; what was found until then counts. 0: no limit. Which of the
+  /// rare searches that are cut short find something depends on the machine, all others do not.
+  double minutes = 3;
 };
 
 /// Says what a wrong walk comes from.
@@ -64,6 +67,7 @@ struct Diagnosis {
   std::vector<RankedChange> ranking;  ///< cures first, then by score; one of every field
   EnvConfig environment;              ///< with the first of the ranking, as it is if there is none
   std::size_t configurations = 0;     ///< that were run
+  bool cut_short = false;             ///< by DiagnosisOptions::minutes: some pairs were not tried
 };
 
 /// Examines a policy in its environment; where it does not do what it is asked, looks for the change of one

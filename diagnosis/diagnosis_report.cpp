@@ -85,6 +85,7 @@ nlohmann::ordered_json to_json(const Diagnosis& d, const std::string& file) {
            {"score", d.score},
            {"spread", d.spread},
            {"configurations", d.configurations},
+           {"cut_short", d.cut_short},
            {"starts", d.test.seeds},
            {"walks", walks_json(d)},
            {"tests", Json::array()},

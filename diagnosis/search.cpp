@@ -31,7 +31,7 @@ bool Suspicion::is_suspect(const std::string& field) const {
 }
 
 Search::Search(const LoadedEnv& environment, const RelabelledPolicy& policy, const Suspicion& suspicion,
-               std::size_t workers, std::uint64_t seed)
+               std::size_t workers, std::uint64_t seed, double minutes)
     : environment_(environment),
       policy_(policy),
       suspicion_(suspicion),
@@ -40,7 +40,19 @@ Search::Search(const LoadedEnv& environment, const RelabelledPolicy& policy, con
       base_(with_joints_resolved(*EnvModel::make(environment))) {
   whole_ = {walk_commands(environment.config), kSeeds, kWholeSeconds, 0};
   once_ = {whole_.commands, 1, kWholeSeconds, 0};
+  // A group of pairs and walking its best whole take the rest.
+  constexpr double kShare = 0.75, kSecondsPerMinute = 60;
+  using Clock = std::chrono::steady_clock;
+  late_ = minutes > 0
+              ? Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                   std::chrono::duration<double>(kShare * kSecondsPerMinute * minutes))
+              : Clock::time_point::max();
   glance_ = {{whole_.commands.front()}, 1, kGlanceSeconds, 0};
+}
+
+bool Search::is_late() noexcept {
+  cut_short_ = cut_short_ || std::chrono::steady_clock::now() > late_;
+  return cut_short_;
 }
 
 WalkResult Search::examine() {

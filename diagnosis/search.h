@@ -1,6 +1,7 @@
 // Runs an environment with changes of one field, and of two, on several threads.
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,12 +40,16 @@ struct Suspicion {
 class Search {
  public:
   /// @param policy  outlives this
+  /// @param minutes  after which `is_late`; 0: never
   Search(const LoadedEnv& environment, const RelabelledPolicy& policy, const Suspicion& suspicion,
-         std::size_t workers, std::uint64_t seed);
+         std::size_t workers, std::uint64_t seed, double minutes = 0);
 
   const EnvConfig& base() const noexcept { return base_; }
   const WalkTest& whole_test() const noexcept { return whole_; }
   std::size_t configurations() const noexcept { return configurations_; }
+  /// Tells whether no more should be begun than what ends it; from then on it was cut short.
+  bool is_late() noexcept;
+  bool was_cut_short() const noexcept { return cut_short_; }
 
   /// Walks the patient as it is. From then on a glance is the command that it does worst: of those to
   /// move, unless it does all of these as asked.
@@ -73,6 +78,8 @@ class Search {
   EnvConfig base_;
   WalkTest whole_, once_, glance_;
   std::size_t configurations_ = 0;
+  std::chrono::steady_clock::time_point late_;
+  bool cut_short_ = false;
 };
 
 /// Returns the best first, at most `each` of a field and `most` in all, by the scores of `result`; and the

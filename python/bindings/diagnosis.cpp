@@ -48,11 +48,12 @@ void bind_diagnosis(nb::module_& m) {
       "_diagnose",
       [](const EnvConfig& config, const std::string& policy, const std::vector<std::string>& unstated,
          const std::optional<std::string>& home_engine, bool search, std::size_t workers, std::uint64_t seed,
-         const nb::object& progress) {
-        return diagnose_policy(config, policy, {workers, seed, unstated, home_engine, search}, progress);
+         double minutes, const nb::object& progress) {
+        return diagnose_policy(config, policy, {workers, seed, unstated, home_engine, search, minutes},
+                               progress);
       },
       nb::arg("environment"), nb::arg("policy"), nb::arg("unstated"), nb::arg("home_engine").none(),
-      nb::arg("search"), nb::arg("workers"), nb::arg("seed"), kProgress);
+      nb::arg("search"), nb::arg("workers"), nb::arg("seed"), nb::arg("minutes"), kProgress);
 }
 
 }  // namespace crossgait::python

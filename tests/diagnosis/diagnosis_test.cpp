@@ -1,10 +1,13 @@
 #include "diagnosis/diagnosis.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "physics/core/error.h"
 #include "policy/bundled_policies.h"
+#include "tests/physics/core/config_error.h"
 
 namespace crossgait {
 namespace {
@@ -17,6 +20,7 @@ LoadedEnv patient(const std::string& fault = "{}") {
 
 Diagnosis diagnosis_of(const std::string& fault, DiagnosisOptions options = {}) {
   options.workers = 2;
+  options.minutes = 0;  // what is found does not depend on the machine
   return diagnose(patient(fault), "serial_joints", options);
 }
 
@@ -90,7 +94,15 @@ TEST(Search, APairOfWhichOneCuresAloneStandsBehindIt) {
 TEST(Diagnose, AbstainsOnAPolicyThatCannotWalkUntilItsHomeEngineIsKnown) {
   DiagnosisOptions options;
   options.workers = 2;
+  options.minutes = 1e-9;
+  const Diagnosis hasty = diagnose(patient(), "zero", options);
+  EXPECT_TRUE(hasty.cut_short);
+  EXPECT_TRUE(hasty.abstained);
+  EXPECT_FALSE(hasty.ranking.empty()) << "single changes are tried all the same";
+  EXPECT_NE(hasty.experiment.find("--minutes"), std::string::npos);
+  options.minutes = 0;
   const Diagnosis unknown = diagnose(patient(), "zero", options);
+  EXPECT_FALSE(unknown.cut_short);
   EXPECT_FALSE(unknown.cause);
   EXPECT_TRUE(unknown.abstained);
   EXPECT_NE(unknown.experiment.find("--home-engine"), std::string::npos);
@@ -116,6 +128,15 @@ TEST(Diagnose, RefusesWhatItCannotLookAt) {
   EXPECT_THROW(diagnosis_of("{}", {.workers = 1, .seed = 0, .unstated = {}, .home_engine = "nowhere"}),
                ConfigError);
   EXPECT_THROW(diagnosis_of("observation: [gravity]"), ConfigError);  // a network of 48 numbers
+}
+
+TEST(Diagnose, RefusesMinutesThatAreNone) {
+  DiagnosisOptions options;
+  for (const double minutes : {-1.0, std::nan(""), 1e9}) {
+    options.minutes = minutes;
+    EXPECT_EQ(config_error([&] { (void)diagnose(patient(), "serial_joints", options); }).element(),
+              "minutes");
+  }
 }
 
 TEST(Diagnose, StopsWhenItIsInterrupted) {

@@ -35,6 +35,7 @@ def diagnose(
     search: bool = True,
     seed: int = 0,
     workers: int | None = None,
+    minutes: float = 3,
     progress: Progress | bool | None = None,
 ) -> Diagnosis:
     """Find what of a policy's environment keeps it from doing what it is asked (docs/diagnosis.md).
@@ -47,6 +48,7 @@ def diagnose(
         search: otherwise it is only seen whether it does what it is asked.
         seed: of the starts.
         workers: as `verdict`.
+        minutes: after which no further changes of two fields are tried; 0: no limit.
         progress: as `walk`.
 
     Raises:
@@ -57,7 +59,7 @@ def diagnose(
     home = None if home_engine is None else as_engine(home_engine, "diagnose")
     fields = as_names(unstated or (), "diagnose", "unstated")
     with ProgressShown(progress) as told, _file_of(policy) as file:
-        (document, text), found = _core._diagnose(config, file, fields, home, search, worker_count(workers), seed, told)
+        (document, text), found = _core._diagnose(config, file, fields, home, search, worker_count(workers), seed, minutes, told)
     return Diagnosis(document, text, found)
 
 
