@@ -26,6 +26,26 @@ bool is_loop_joint(const SdfJoint& joint) {
   return at != nullptr && (at->text == "true" || at->text == "1");
 }
 
+/// Whether it says what a joint of a loop could not be: limits, damping, friction or springs of its axis.
+bool says_how_it_turns(const SdfJoint& joint) {
+  const SdfElement* axis = joint.element->find("axis");
+  return axis != nullptr && (axis->find("limit") != nullptr || axis->find("dynamics") != nullptr);
+}
+
+/// Of several joints of a link the one that holds it in the tree, whatever their order in the file; of alike
+/// ones the first. By the link.
+std::map<std::string, const SdfJoint*> holding_joints(const SdfModel& model) {
+  std::map<std::string, const SdfJoint*> holding;
+  const auto add_if = [&](const auto& takes) {
+    for (const SdfJoint& joint : model.joints)
+      if (!joint.parent.empty() && takes(joint)) holding.emplace(joint.child, &joint);
+  };
+  add_if([](const SdfJoint& j) { return !is_loop_joint(j) && says_how_it_turns(j); });
+  add_if([](const SdfJoint& j) { return !is_loop_joint(j); });
+  add_if(is_loop_joint);
+  return holding;
+}
+
 /// Follows the joints of a tree up from a link.
 std::string root_of(const std::string& link, const std::map<std::string, const SdfJoint*>& holding) {
   std::string here = link;
@@ -42,7 +62,7 @@ std::string root_of(const std::string& link, const std::map<std::string, const S
 
 SdfJoints sort_joints(const SdfModel& model, const std::string& main_file, ReaderWarnings& warnings) {
   SdfJoints joints;
-  std::map<std::string, const SdfJoint*> holding;  // by the link that it holds
+  const std::map<std::string, const SdfJoint*> holding = holding_joints(model);
   for (const bool takes_loops : {false, true}) {
     for (const SdfJoint& joint : model.joints) {
       if (is_loop_joint(joint) != takes_loops) continue;
@@ -54,7 +74,7 @@ SdfJoints sort_joints(const SdfModel& model, const std::string& main_file, Reade
                        sdf_place(*joint.element, main_file));
       } else if (joint.parent == joint.child) {
         fail_at(*joint.element, "two links", fmt::format("'{}' twice", printable_text(joint.child, 200)));
-      } else if (holding.emplace(joint.child, &joint).second) {
+      } else if (holding.at(joint.child) == &joint) {
         if (!moves(joint) && joint.type != "fixed")
           fail_at(*joint.element, "type revolute, continuous or fixed", quoted_type(joint));
         joints.of_tree.push_back(&joint);

@@ -33,12 +33,13 @@ class SdfOf {
     }
   }
 
-  /// @param more  before </model>
+  /// @param more  before all joints
   std::string text(const std::string& more = "") const {
     std::string out = fmt::format("<sdf version=\"1.9\">\n<model name=\"{}\">\n", robot_.name);
     for (const auto& [name, place] : robot_.links) out += link(name, place);
+    out += more;
     for (std::size_t i = 1; i < robot_.bodies.size(); ++i) out += joint(i);
-    return out + more + "</model>\n</sdf>\n";
+    return out + "</model>\n</sdf>\n";
   }
 
   static std::string pose(const Pose& X, const std::string& relative_to = "") {

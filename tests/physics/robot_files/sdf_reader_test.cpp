@@ -131,7 +131,7 @@ TEST(SdfReader, ClosesLoopsWhereALinkHangsOnTwo) {
         "<child>{0}_lower_right</child><axis><xyz>0 1 0</xyz></axis></joint>",
         name(leg), is_front(leg) ? "revolute" : "ball");
   const ScratchRobot scratch;
-  // Loops before what they close: which joints are of the tree must not hang on the order for ball joints.
+  // Loops before what they close: which joints are of the tree must not hang on the order.
   scratch.write("robot.sdf", SdfOf(urdf, SdfStyle::kInModel, home).text(loops));
   std::string yaml = read_text_file(kRobotFolder + "robot.yaml", kYamlBudget);
   yaml.replace(yaml.find("urdf: robot.urdf"), 16, "sdf: robot.sdf");
