@@ -49,7 +49,7 @@ void add_matrix_command(CLI::App& program, Invocation& invocation) {
     PageOption page;
   };
   auto options = std::make_shared<Options>();
-  options->scored.add_to(*command, invocation);
+  options->scored.add_to(*command, invocation)->required();
   options->page.add_to(*command, "Write a page with the tables and intervals, as one HTML file");
   on_run(*command, [options] {
     options->page.check();

@@ -80,13 +80,13 @@ ScoredPolicy read(const ScoredPoliciesOptions& options, const Homes& homes, cons
 
 }  // namespace
 
-void ScoredPoliciesOptions::add_to(CLI::App& command, Invocation& invocation) {
+CLI::Option* ScoredPoliciesOptions::add_to(CLI::App& command, Invocation& invocation) {
   how.workers = EpisodeOptions::default_workers();
-  command
-      .add_option("policies", policies,
-                  "Folders, names of policies that come with Crossgait, or files with --env")
-      ->type_name("CHECKPOINT")
-      ->required();
+  CLI::Option* which =
+      command
+          .add_option("policies", policies,
+                      "Folders, names of policies that come with Crossgait, or files with --env")
+          ->type_name("CHECKPOINT");
   command.add_option("--engines", engines, "Comma-separated; all that are built in by default")
       ->delimiter(',');
   command.add_option("--env", env, "Their environment; each folder's own by default")->type_name("FILE.yaml");
@@ -107,27 +107,41 @@ void ScoredPoliciesOptions::add_to(CLI::App& command, Invocation& invocation) {
   add_seed_option(command, "--seed", how.seed, "Seed of the starts")->capture_default_str();
   add_workers_option(command, how.workers);
   json.add_to(command, invocation);
+  return which;
 }
 
-ScoredPolicies score_them(const ScoredPoliciesOptions& options) {
+ScoredPolicies read_scored(const ScoredPoliciesOptions& options) {
   ScoredPolicies scored;
   scored.engines = options.engines.empty() ? available_engines() : options.engines;
   for (const std::string& engine : scored.engines) static_cast<void>(find_engine(engine));
   const Homes homes(options.trained_in, options.policies);
+  for (const std::string& policy : options.policies) scored.policies.push_back(read(options, homes, policy));
+  return scored;
+}
+
+void note_provenance(const ScoredPoliciesOptions& options, ScoredPolicies& scored) {
   nlohmann::json environments = nlohmann::json::array(), names = nlohmann::json::array();
-  for (const std::string& policy : options.policies) {
-    scored.policies.push_back(read(options, homes, policy));
-    environments.push_back(to_yaml(scored.policies.back().environment.config));
-    names.push_back(scored.policies.back().name);
+  for (const ScoredPolicy& policy : scored.policies) {
+    environments.push_back(to_yaml(policy.environment.config));
+    names.push_back(policy.name);
   }
   scored.provenance = options.json.provenance(
       {{{"behaviour", {{"environments", environments}}}, {"policies", names}, {"seed", options.how.seed}},
        scored.engines,
        {{"--engines", scored.engines}}});
+}
+
+ScoredPolicies score_them(ScoredPolicies scored, const PolicyScoreOptions& how) {
   ProgressLine progress("scoring");
-  scored.cells = score_policies(scored.policies, scored.engines, options.how,
-                                [&](double share) { progress.update(share); });
+  scored.cells =
+      score_policies(scored.policies, scored.engines, how, [&](double share) { progress.update(share); });
   return scored;
+}
+
+ScoredPolicies score_them(const ScoredPoliciesOptions& options) {
+  ScoredPolicies scored = read_scored(options);
+  note_provenance(options, scored);
+  return score_them(std::move(scored), options.how);
 }
 
 }  // namespace crossgait::apps

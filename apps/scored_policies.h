@@ -16,7 +16,8 @@ struct ScoredPoliciesOptions {
   PolicyScoreOptions how;
   JsonOption json;
 
-  void add_to(CLI::App& command, Invocation& invocation);
+  /// @returns the option that names the policies
+  CLI::Option* add_to(CLI::App& command, Invocation& invocation);
 };
 
 /// Holds what came of them.
@@ -27,7 +28,13 @@ struct ScoredPolicies {
   Provenance provenance;
 };
 
-/// Reads the policies and walks each in every engine, with its progress. @throws ConfigError
+/// Reads the policies. @throws ConfigError
+ScoredPolicies read_scored(const ScoredPoliciesOptions& options);
+/// Notes how their result is made: what `JsonOption` writes beside it. @throws ConfigError
+void note_provenance(const ScoredPoliciesOptions& options, ScoredPolicies& scored);
+/// Walks each in every engine, with its progress. @throws ConfigError
+ScoredPolicies score_them(ScoredPolicies scored, const PolicyScoreOptions& how);
+/// Does all three. @throws ConfigError
 ScoredPolicies score_them(const ScoredPoliciesOptions& options);
 
 }  // namespace crossgait::apps

@@ -14,6 +14,7 @@
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
 #include "physics/core/read_budget.h"
+#include "physics/robot/principal_inertia.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
 #include "report/mesh_detail.h"
 
@@ -41,6 +42,15 @@ ordered_json placed(std::string_view type, const Vector3& size, const Pose& X_BG
           {"position", list(X_BG.translation())},
           {"quaternion", {q.x(), q.y(), q.z(), q.w()}},
           {"rgba", nullptr}};
+}
+
+/// The box of even density that has such a mass and such moments, about its principal axes: of half sides a,
+/// b, c the first moment is m (b^2 + c^2) / 3.
+ordered_json inertia_box(const SpatialInertia& inertia) {
+  const PrincipalInertia principal = principal_inertia(inertia);
+  const Vector3& I = principal.moments;
+  const Vector3 squares = 1.5 * (Vector3::Constant(I.sum()) - 2 * I) / inertia.mass;
+  return placed("box", squares.cwiseMax(0).cwiseSqrt(), principal.X_BP);
 }
 
 std::vector<double> coordinates(const std::vector<Vector3>& points) {
@@ -80,6 +90,11 @@ class Shapes {
       show_visuals_ = true;
     }
     if (!shapes.empty() && !dropped) return shapes;
+    for (ordered_json& shape : collision(body)) shapes.push_back(std::move(shape));
+    return shapes;
+  }
+  ordered_json collision(const Body& body) {
+    ordered_json shapes = ordered_json::array();
     for (const CollisionShape& collision : body.shapes) {
       ordered_json shape = placed(name(collision.type), collision.size, collision.X_BG);
       if (collision.type == ShapeType::kHull)
@@ -263,7 +278,9 @@ nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terra
     bodies.push_back({{"name", body.name},
                       {"mass", body.inertia.mass},
                       {"centre_of_mass", {com.x(), com.y(), com.z()}},
-                      {"shapes", std::move(its)}});
+                      {"shapes", std::move(its)},
+                      {"collision", shapes.collision(body)},
+                      {"inertia", inertia_box(body.inertia)}});
   }
   // About two lengths of a quadruped, whose legs are half as long as it is.
   const double reach = robot.standing_height > 0 ? 8 * robot.standing_height : 1;

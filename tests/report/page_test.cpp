@@ -1,6 +1,7 @@
 // What a page holds: where bodies and feet are, and text that stays text.
 #include "report/page.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -377,6 +378,28 @@ TEST_F(SceneOfMeshes, CollisionShapesStandInForAMeshThatIsNotReadBesideWhatIs) {
   ASSERT_EQ(missing.at("notes").size(), 1U);
   EXPECT_EQ(missing.at("notes").at(0),
             "a mesh of " + colliding->name + " is not there: collision shapes stand in for it");
+}
+
+// A box of half sides a, b, c has the moments m (b^2 + c^2) / 3 and so on: it is found again.
+TEST(Scene, HasTheBoxOfAnInertiaAndWhatCollides) {
+  RobotDescription robot = *scenes::assortment();
+  SpatialInertia& inertia = robot.bodies[0].inertia;
+  const Vector3 half(0.1, 0.2, 0.3), squares = half.cwiseAbs2();
+  const Matrix3 R = Eigen::AngleAxisd(0.4, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+  inertia.mass = 2;
+  inertia.p_BC = {0.01, 0.02, 0.03};
+  const Vector3 moments = 2.0 / 3 * (Vector3::Constant(squares.sum()) - squares);
+  inertia.I_C = R * moments.asDiagonal() * R.transpose();
+  PageNumbers numbers;
+  const ordered_json body = scene_document(robot, {}, {}, numbers).at("bodies")[0];
+  std::vector<double> size = body.at("inertia").at("size");
+  std::sort(size.begin(), size.end());
+  for (const int axis : {0, 1, 2})
+    EXPECT_NEAR(size[static_cast<std::size_t>(axis)], half[axis], 1e-9);  // rounding of squares
+  EXPECT_EQ(body.at("inertia").at("position"), (std::vector{0.01, 0.02, 0.03}));
+  ASSERT_EQ(body.at("collision").size(), robot.bodies[0].shapes.size());
+  for (std::size_t i = 0; i < robot.bodies[0].shapes.size(); ++i)
+    EXPECT_EQ(body.at("collision")[i].at("type"), name(robot.bodies[0].shapes[i].type));
 }
 
 TEST(Scene, LinksOfARobotWithoutAnyShapeAreSticks) {

@@ -34,7 +34,16 @@ export interface Scene {
   standing_height: number;
   reach: number;
   path: [number, number, number, number];
-  bodies: { name: string; mass: number; centre_of_mass: [number, number, number]; shapes: Shape[] }[];
+  bodies: {
+    name: string;
+    mass: number;
+    centre_of_mass: [number, number, number];
+    shapes: Shape[];
+    /** What collides. */
+    collision: Shape[];
+    /** A box of even density with its mass and moments. */
+    inertia: Shape;
+  }[];
   meshes: { vertices: Reference; triangles: Reference }[];
   legs: {
     name: string;

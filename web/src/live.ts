@@ -2,6 +2,7 @@
 import type { Live, LiveDocument, Motion } from "./document";
 import { Numbers } from "./document";
 import { button, h, toggle } from "./dom";
+import { INSIDES, INSIDE_WORDS, type Inside } from "./insides";
 import { Controls } from "./live_controls";
 import { Driver, Pusher } from "./live_drive";
 import { Link, type LiveFrame, type LiveOptions, type LiveScene } from "./live_link";
@@ -40,6 +41,7 @@ export class LivePage {
   private controls!: Controls;
   private scene: LiveScene | null = null;
   private fetching = false;
+  private readonly insides = new Set<Inside>();
   runs: LiveRun[] = [];
   private shown = ""; // which ground and engines the view was made for
   private readonly link = new Link(
@@ -167,6 +169,7 @@ export class LivePage {
     const shows = [
       toggle("forces", "Forces on the feet", true, (on) => this.view && ((this.view.forces = on), this.view.paint())),
       toggle("trails", "Paths of the feet", true, (on) => this.view && ((this.view.trails = on), this.view.paint())),
+      ...INSIDES.map((inside) => toggle(inside, INSIDE_WORDS[inside], false, (on) => this.look(inside, on))),
     ];
     const hint = h("span", { class: "muted" }, "pull at the robot to push it", this.spring);
     return h(
@@ -253,6 +256,7 @@ export class LivePage {
     });
     this.holder.replaceChildren(canvas);
     const view = (this.view = new View(motion, this.runs, new Numbers(numbers), canvas));
+    for (const inside of this.insides) view.look(inside, true);
     view.follow = this.follow.querySelector("input")!.checked;
     this.sideBySide.hidden = frame.robots.length < 2;
     view.show(0, true);
@@ -267,6 +271,11 @@ export class LivePage {
       pull: (to) => this.link.send(to ? { do: "pull", to } : { do: "release" }),
       say: (words) => this.say(words),
     });
+  }
+  private look(inside: Inside, on: boolean): void {
+    if (on) this.insides.add(inside);
+    else this.insides.delete(inside);
+    this.view?.look(inside, on);
   }
   private arrange(): void {
     if (!this.view) return;

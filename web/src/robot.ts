@@ -19,6 +19,7 @@ import {
 } from "three";
 import { ConvexGeometry } from "three/addons/geometries/ConvexGeometry.js";
 import type { Numbers, Run, Scene, Shape } from "./document";
+import { INSIDES, Insides, type Inside } from "./insides";
 import { Support } from "./support";
 
 const PLAIN: [number, number, number, number] = [0.62, 0.64, 0.67, 1];
@@ -63,7 +64,7 @@ export class RobotParts {
 
   constructor(
     readonly scene: Scene,
-    numbers: Numbers,
+    readonly numbers: Numbers,
   ) {
     scene.bodies.forEach((body, index) => {
       for (const shape of body.shapes)
@@ -107,6 +108,8 @@ export class RobotView extends Group {
   readonly arrows = new Group();
   readonly trails = new Group();
   readonly support: Support;
+  private readonly insides: Insides;
+  private seen: ReadonlySet<Inside> = new Set();
   /** Its bodies, without arrows and paths. */
   readonly solid = new Group();
   private readonly materials: { material: MeshLambertMaterial; own: Color }[] = [];
@@ -140,6 +143,7 @@ export class RobotView extends Group {
       this.trails.add(this.trailOf(index));
     });
     this.support = new Support(parts.scene, size);
+    this.insides = new Insides(parts.scene, parts.numbers, this.bodies, geometryOf);
     this.add(this.solid, this.arrows, this.trails, this.support);
   }
 
@@ -150,14 +154,22 @@ export class RobotView extends Group {
       // Dark parts stay darker, so that the shape can still be read.
       material.color.copy(its);
       if (!own) material.color.lerp(paint, 0.72);
-      material.transparent = ghost;
-      material.opacity = ghost ? 0.38 : 1;
+      const seenThrough = ghost || this.seen.size > 0;
+      material.transparent = seenThrough;
+      material.opacity = seenThrough ? 0.38 : 1;
       material.needsUpdate = true;
     }
     this.arrowMaterial.color.copy(own ? new Color("#d55e00") : paint);
     this.trailMaterial.color.copy(paint);
+    this.insides.paint(own ? new Color("#d55e00") : paint);
     this.support.paint(paint);
     this.solid.traverse((object) => (object.castShadow = !ghost));
+  }
+
+  /** Shows these of its insides, the robot itself to be seen through. To be painted after. */
+  showInsides(seen: ReadonlySet<Inside>): void {
+    this.seen = seen;
+    for (const inside of INSIDES) this.insides.show(inside, seen.has(inside));
   }
 
   /** @param share of the way to the frame behind it, 0 to 1 */

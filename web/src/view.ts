@@ -18,6 +18,7 @@ import {
 } from "three";
 import type { Live, Motion, Numbers, Run } from "./document";
 import { fieldGeometry, fieldGrid, gridGeometry } from "./ground";
+import type { Inside } from "./insides";
 import { RobotParts, RobotView } from "./robot";
 import { Tags, type Tagged } from "./tags";
 import { theme } from "./theme";
@@ -45,6 +46,7 @@ export class View {
   forces = true;
   trails = true;
   support = false;
+  readonly insides = new Set<Inside>();
   readonly shown: boolean[];
   private readonly renderer: WebGLRenderer;
   private readonly groups: Group[] = [];
@@ -231,12 +233,20 @@ export class View {
       group.position.y = this.sideBySide ? ((seen.length - 1) / 2 - place) * apart - middle : 0;
       const robot = this.robots[i]!;
       this.ghosts[i] = this.isGhost(i);
+      robot.showInsides(this.insides);
       robot.paint(theme.runColour(i), !several, this.ghosts[i]!);
       robot.arrows.visible = this.forces;
       robot.trails.visible = this.trails;
       robot.support.visible = this.support;
     });
     this.draw();
+  }
+
+  /** Shows one more of the robots' insides, or one less. */
+  look(inside: Inside, on: boolean): void {
+    if (on) this.insides.add(inside);
+    else this.insides.delete(inside);
+    this.paint();
   }
 
   /** The first run that is shown and does the same as this one. */

@@ -117,6 +117,7 @@ test("two engines walk side by side, on another ground, and two look on", async 
   await page.keyboard.press("b");
   const ys = await page.evaluate(() => window.crossgait.view.robots.map((robot) => robot.parent.position.y));
   assert.ok(ys[0] > ys[1], `side by side: ${ys}`);
+  await page.getByLabel("collision").check();
   // On ground that is not alike everywhere each takes a strip of it along.
   await page.getByLabel("Ground", { exact: true }).selectOption("rough");
   const onRough = (strips) =>
@@ -125,6 +126,9 @@ test("two engines walk side by side, on another ground, and two look on", async 
     window.crossgait.view.strips.length === strips;
   await page.waitForFunction(onRough, 2);
   await other.page.waitForFunction(onRough, 0); // which has them in one place
+  // What is chosen to be seen stays so in a view that is made anew.
+  const seen = (at) => at.evaluate(() => [...window.crossgait.view.insides]);
+  assert.deepEqual([await seen(page), await seen(other.page)], [["collision"], []]);
   const strips = () =>
     page.evaluate(() =>
       window.crossgait.view.robots.map((robot, i) => ({

@@ -526,6 +526,31 @@ test("a benchmark shows its curves", async () => {
   await page.close();
 });
 
+test("what engines make of a robot is shown in it, and taken away again", async () => {
+  const { page, problems } = await open("walk.html");
+  const look = () =>
+    page.evaluate(() => {
+      const [robot] = window.crossgait.view.robots;
+      const count = (name) =>
+        robot.bodies.flatMap((body) => body.children).filter((part) => part.name === name && part.visible).length;
+      const collision = robot.parts.scene.bodies.map(({ collision }) => collision.length);
+      const drawn = robot.bodies.map(
+        (body) => body.children.find((part) => part.name === "collision")?.children.length,
+      );
+      return { collision, drawn, shown: ["collision", "inertia", "frames"].map(count), bodies: robot.bodies.length };
+    });
+  assert.deepEqual((await look()).shown, [0, 0, 0]);
+  for (const name of ["collision", "inertia", "frames"]) await page.getByLabel(name, { exact: false }).first().check();
+  const all = await look();
+  assert.deepEqual(all.shown, [all.bodies, all.bodies, all.bodies]);
+  assert.deepEqual(all.drawn, all.collision);
+  assert.ok(all.collision.some((shapes) => shapes > 0));
+  await page.getByLabel("inertia").uncheck();
+  assert.deepEqual((await look()).shown, [all.bodies, 0, all.bodies]);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
 test("a rollout shows what it earned, and what its feet span", async () => {
   const { page, problems } = await open("rollout.html");
   assert.ok((await page.textContent(".results")).includes("What a policy step earns"));

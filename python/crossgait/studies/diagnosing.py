@@ -59,7 +59,9 @@ def diagnose(
     home = None if home_engine is None else as_engine(home_engine, "diagnose")
     fields = as_names(unstated or (), "diagnose", "unstated")
     with ProgressShown(progress) as told, _file_of(policy) as file:
-        (document, text), found = _core._diagnose(config, file, fields, home, search, worker_count(workers), seed, minutes, told)
+        (document, text), found = _core._diagnose(
+            config, file, fields, home, search, worker_count(workers), seed, minutes, told
+        )
     return Diagnosis(document, text, found)
 
 
