@@ -184,6 +184,19 @@ TEST_F(MeshFiles, AreFoundFromTheUrdfUpwards) {
     finds(none, "none");
   }
   finds(std::string(100000, 'a') + ".stl", "none");
+  // URIs: one slash is enough of an absolute one, escapes are undone, and ".." leaves a package.
+  finds("file:" + tail, tail);
+  const std::string blank = write("share/dog/meshes/left shin (1).stl", "1"),
+                    percent = write("share/dog/meshes/100%25.stl", "1");
+  finds("package://dog/meshes/left%20shin%20(1).stl", blank);
+  finds("file://" + path("share/dog/meshes/left%20shin%20%281%29.stl"), blank);
+  finds("meshes/left%20shin%20(1).stl", "none");  // no URI
+  finds("meshes/100%25.stl", percent);
+  finds("package://dog/meshes/100%25.stl", percent);
+  finds("package://dog/meshes/shin.stl%00.stl", "none");
+  finds("package://dog/meshes/shin.stl%", "none");
+  finds("package://no_package/../meshes/shin.stl", shin);
+  finds("package://dog/../cat/meshes/tail.stl", tail);
 }
 
 TEST_F(MeshFiles, AreFoundThroughTheEnvironment) {
