@@ -13,6 +13,7 @@
 #include "physics/core/error.h"
 #include "physics/core/yaml_reader.h"
 #include "physics/robot/robot.h"
+#include "physics/robot_files/file_extension.h"
 #include "physics/robot_files/robot_builder.h"
 #include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_report.h"
@@ -98,8 +99,8 @@ void set_servo_source(ServoSource source) noexcept { source_of_servos() = source
 
 LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos) {
   const fs::path file(path);
-  if (file.extension() == ".yaml" || file.extension() == ".yml")
-    return load_yaml(YamlValue::load(path), servos);
+  const std::string extension = lower_extension(path);
+  if (extension == ".yaml" || extension == ".yml") return load_yaml(YamlValue::load(path), servos);
   if (robot_format_of(path) == nullptr) {
     throw ConfigError(path, "file name", fmt::format("a {} file", robot_files_in_words()),
                       fmt::format("'{}'", file.filename().string()));

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/robot_files/file_extension.h"
 #include "physics/robot_files/mesh/dae_reader.h"
 #include "physics/robot_files/mesh/mesh_corners.h"
 #include "physics/robot_files/mesh/obj_reader.h"
@@ -15,13 +16,6 @@
 
 namespace crossgait {
 namespace {
-
-std::string lower_extension(const std::string& path) {
-  const std::size_t dot = path.rfind('.');
-  std::string extension = dot == std::string::npos ? "" : path.substr(dot);
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return extension;
-}
 
 /// As the file has it: vertices may be equal, or in no triangle.
 TriangleMesh read_mesh(const std::string& path, const std::string& part) {
