@@ -32,7 +32,9 @@ YamlValue named_file(const YamlValue& root) {
     if (!value) continue;
     if (named) value->fail(fmt::format("either `{}` or `{}`", first_key, format.key), "both");
     const std::string text = value->text();
-    if (!format.any_name && robot_format_of(text) != &format)
+    const RobotFormat* const of_name = robot_format_of(text);
+    const bool may_be = of_name == &format || (of_name == nullptr && format.any_name);
+    if (!may_be)
       value->fail(fmt::format("a {} file", extensions_in_words(format)), fmt::format("'{}'", text));
     named = value;
     first_key = format.key;
