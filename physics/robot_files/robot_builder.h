@@ -30,6 +30,8 @@ class RobotBuilder {
   LoadedRobot load();
 
  private:
+  /// Does it. @throws ConfigError as what is missing appears, whatever left it out
+  LoadedRobot build();
   std::optional<YamlValue> find(std::string_view key) const;
   void infer(std::string what, std::string value, std::string reason);
   const LinkPlacement& link(const YamlValue& value) const;

@@ -155,7 +155,11 @@ class SdfTreeBuilder {
     Joint joint;
     joint.name = source.name;
     joint.axis = (X_MB.linear().transpose() * source.axis_M).normalized();
-    if (const SdfElement* axis = source.element->find("axis")) {
+    const SdfElement* axis = source.element->find("axis");
+    if (axis == nullptr || axis->find("xyz") == nullptr)
+      warnings_.count("took SDF's default of z for the axis of ", " joint(s) that say none",
+                      sdf_place(*source.element, path_));
+    if (axis != nullptr) {
       if (const SdfElement* limit = axis->find("limit"))
         read_limits(*limit, source, axis->find("mimic") != nullptr, joint);
       if (const SdfElement* dynamics = axis->find("dynamics")) {
@@ -276,10 +280,7 @@ FoundModel find_robot(const SdfDocument& document, ReaderWarnings& warnings) {
                     fmt::format("{}", fmt::join(names, ", ")));
 }
 
-}  // namespace
-
-ParsedRobot read_sdf(const std::string& path) {
-  ReaderWarnings warnings;
+ParsedRobot read_model(const std::string& path, ReaderWarnings& warnings) {
   const SdfDocument document(path, warnings);
   const FoundModel found = find_robot(document, warnings);
   if (found.model->find("pose") != nullptr)
@@ -302,6 +303,17 @@ ParsedRobot read_sdf(const std::string& path) {
   count_unread(*found.model, path, warnings);
   robot.warnings = warnings.sentences();
   return robot;
+}
+
+}  // namespace
+
+ParsedRobot read_sdf(const std::string& path) {
+  ReaderWarnings warnings;
+  try {
+    return read_model(path, warnings);
+  } catch (const ConfigError& error) {
+    throw with_cause(error, warnings.sentences());
+  }
 }
 
 }  // namespace crossgait

@@ -119,6 +119,7 @@ bool SdfShapes::set_geometry(const SdfElement& shape, CollisionShape& collision)
   if (shape.tag != "ellipsoid") {
     warnings_.count("dropped ", " collision(s) that are no box, sphere, cylinder, capsule, ellipsoid or mesh",
                     where(shape));
+    shape.pass_over_all();
     return false;
   }
   check_shape(collision, path_, where(shape));
@@ -178,6 +179,7 @@ void SdfShapes::show(const SdfElement& visual, const Pose& X_BL, Body& body) {
   } else {
     warnings_.count("dropped ", " <visual> that are no box, sphere, cylinder, capsule or mesh",
                     where(visual));
+    shape->pass_over_all();
     return;
   }
   body.visuals.push_back(std::move(shown));
