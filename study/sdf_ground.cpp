@@ -110,8 +110,10 @@ class SdfGround {
                       where(shape));
       return;
     }
-    const Vector3 scale = sdf_vector(shape, "scale", Vector3::Ones());
-    std::vector<Vector3> vertices = read_mesh_vertices(*file);
+    const Vector3 scale = sdf_mesh_scale(shape);
+    const SdfSubmesh part = sdf_submesh(shape);
+    std::vector<Vector3> vertices = read_mesh_vertices(*file, part.name);
+    part.place(vertices);
     for (Vector3& v : vertices) v = X_WG * scale.cwiseProduct(v).eval();
     if (!shapes_.add_hull(vertices))
       warnings_.count("took for their convex hull of few corners, off by more than a millimetre, ",

@@ -139,6 +139,15 @@ void check_couplings(const RobotDescription& robot) {
   }
 }
 
+/// Names stand in tables and on terminals, which a line end or an escape code would break.
+void require_printable(const RobotDescription& robot, const std::string& name, std::string_view of) {
+  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  if (std::ranges::none_of(name, is_control)) return;
+  std::string shown;  // in one line
+  for (const char c : name) shown += c == '\n' ? std::string("\\x0A") : std::string(1, c);
+  throw ConfigError(source_of(robot), of, "a name without control characters", fmt::format("'{}'", shown));
+}
+
 void check_roles(const RobotDescription& robot, Leg leg, std::set<int>& used) {
   const LegModel& model = (*robot.legs)[leg];
   const std::string_view source = source_of(robot);
@@ -302,6 +311,11 @@ void check_shape(const CollisionShape& shape, std::string_view source, std::stri
 
 void check_structure(const RobotDescription& robot) {
   const Reporter report(source_of(robot), "robot");
+  require_printable(robot, robot.name, "robot");
+  for (const Body& body : robot.bodies) {
+    require_printable(robot, body.name, "link");
+    require_printable(robot, body.joint.name, "joint");
+  }
   report.require(!robot.bodies.empty(), "at least one body", "none");
   report.require(robot.joint_count() <= kMaxJoints, fmt::format("at most {} moving joints", kMaxJoints),
                  std::to_string(robot.joint_count()));

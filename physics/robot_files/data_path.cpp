@@ -10,6 +10,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
+#include "physics/robot_files/file_extension.h"
 #include "physics/robot_files/installed_robots.h"
 #include "physics/robot_files/robot_formats.h"
 
@@ -69,7 +70,7 @@ std::vector<std::string> robot_names(std::string_view built_in) {
 }
 
 bool is_robot_file(std::string_view text) {
-  return fs::path(text).extension() == ".yaml" || robot_format_of(text) != nullptr;
+  return lower_extension(text) == ".yaml" || robot_format_of(text) != nullptr;
 }
 
 std::string find_robot(std::string_view text, std::string_view built_in) {

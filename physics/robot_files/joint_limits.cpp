@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "physics/robot/robot_check.h"
+
 namespace crossgait {
 namespace {
 
@@ -22,8 +24,10 @@ void set_limits(double lower, double upper, std::string_view element, Joint& joi
   joint.lower = low ? unlimited.lower : lower;
   joint.upper = high ? unlimited.upper : upper;
   joint.limited = !(low && high);
-  if (low || high) {
-    const double larger = std::max(std::abs(lower), std::abs(upper));
+  const double larger = std::max(std::abs(lower), std::abs(upper));
+  if (std::isinf(larger)) {
+    warnings.count("took +-pi rad for the one limit that is not given in ", " joint(s)", element);
+  } else if (low || high) {
     const bool are_degrees = larger > kManyTurns && larger <= kMostDegrees;
     warnings.count(
         fmt::format("took limits beyond +-2 pi rad{} for +-pi in ", are_degrees ? ", likely degrees," : ""),
@@ -40,6 +44,15 @@ void set_limits(double lower, double upper, std::string_view element, Joint& joi
     warnings.count("took limits that are missing or not lower < upper for +-pi rad in ", " joint(s)",
                    element);
   }
+}
+
+void set_follower_limits(double lower, double upper, std::string_view element, Joint& joint,
+                         ReaderWarnings& warnings) {
+  const bool are_meant = lower < upper && lower >= -kLargestAngle && upper <= kLargestAngle;
+  if (!are_meant) return set_limits(lower, upper, element, joint, warnings);
+  joint.lower = lower;
+  joint.upper = upper;
+  joint.limited = true;
 }
 
 void keep_velocity_limit(double limit, const std::string& joint, std::map<std::string, double>& limits) {

@@ -1,15 +1,15 @@
 #include "physics/robot_files/reader_warnings.h"
 
 #include <fmt/format.h>
-
-#include "physics/core/error.h"
+#include <fmt/ranges.h>
 
 namespace crossgait {
 namespace {
 
 // Real files have a dozen kinds at most; a file may be all misspelt.
 constexpr std::size_t kMostKinds = 64;
-constexpr std::size_t kMostOfASentence = 2000;  // bytes
+constexpr std::size_t kMostOfASentence = 2000;                          // bytes
+constexpr std::string_view kFileIsMissing = "whose file is not there";  // of warnings of every reader
 constexpr std::size_t kMostOfAValue = 50, kMostOfNumbers = 160;
 
 }  // namespace
@@ -19,13 +19,27 @@ void HeldNumbers::add(std::string_view name, std::string_view value) {
   const bool is_number = first != std::string_view::npos &&
                          std::string_view("+-.0123456789").find(value[first]) != std::string_view::npos;
   constexpr std::string_view kMore = " ...";
-  if (!is_number || text_.ends_with(kMore)) return;
+  const bool is_flag = value == "true" || value == "false";
+  const bool is_held = is_number || is_flag;
+  if (!is_held || text_.ends_with(kMore)) return;
   if (text_.size() > kMostOfNumbers) {
     text_ += kMore;
     return;
   }
   text_ += fmt::format("{} {}=\"{}\"", text_.empty() ? ":" : "", name,
                        printable_text(value.substr(first), kMostOfAValue));
+}
+
+ConfigError with_cause(const ConfigError& error, const std::vector<std::string>& warnings) {
+  if (error.found() != "none") return error;
+  std::vector<std::string_view> left_out;
+  for (const std::string& warning : warnings) {
+    if (warning.starts_with("dropped ") || warning.find(kFileIsMissing) != std::string::npos)
+      left_out.push_back(warning);
+  }
+  if (left_out.empty()) return error;
+  return {error.source(), error.element(), error.expected(),
+          fmt::format("{} ({})", error.found(), fmt::join(left_out, "; "))};
 }
 
 ReaderWarnings::Kind* ReaderWarnings::more_of(std::string_view before, std::string_view after) {

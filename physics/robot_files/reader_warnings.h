@@ -7,12 +7,14 @@
 #include <string_view>
 #include <vector>
 
+#include "physics/core/error.h"
+
 namespace crossgait {
 
-/// Gathers the numbers that an element holds, for people.
+/// Gathers the numbers and flags (true, false) that an element holds, for people.
 class HeldNumbers {
  public:
-  /// Adds one if the value is one, or begins with one. @param name  of the attribute, or of the element
+  /// Adds one if the value is one, or begins with a number. @param name  of the attribute, or of the element
   /// around it
   void add(std::string_view name, std::string_view value);
   /// Says ": soft_lower_limit="-1.5" k_velocity="10"", or nothing of none.
@@ -21,6 +23,10 @@ class HeldNumbers {
  private:
   std::string text_;
 };
+
+/// Says what `error` says, and what was left out of a file before, where it found nothing: the cause, as a
+/// rule. @param warnings  sentences of a reader
+ConfigError with_cause(const ConfigError& error, const std::vector<std::string>& warnings);
 
 /// Counts things by their kind, and remembers where the first of each was.
 class ReaderWarnings {

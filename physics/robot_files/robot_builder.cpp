@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "physics/core/error.h"
 #include "physics/robot/robot_members.h"
 #include "physics/robot_files/robot_contact.h"
 #include "physics/robot_files/robot_formats.h"
@@ -52,6 +53,14 @@ RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, s
 }
 
 LoadedRobot RobotBuilder::load() {
+  try {
+    return build();
+  } catch (const ConfigError& error) {
+    throw with_cause(error, parsed_.warnings);
+  }
+}
+
+LoadedRobot RobotBuilder::build() {
   read_couplings();
   read_loops();
   read_frame_and_legs();

@@ -30,6 +30,8 @@ class RobotBuilder {
   LoadedRobot load();
 
  private:
+  /// Does it. @throws ConfigError as what is missing appears, whatever left it out
+  LoadedRobot build();
   std::optional<YamlValue> find(std::string_view key) const;
   void infer(std::string what, std::string value, std::string reason);
   const LinkPlacement& link(const YamlValue& value) const;
@@ -60,6 +62,9 @@ class RobotBuilder {
   /// @throws ConfigError where one of them moves, or is held elsewhere
   void settle_held(const std::map<std::string, double>& held);
   void take_couplings();
+  /// Lets followers without limits turn as far as their leaders may take them: +-pi, which bounds what a
+  /// servo without limits is told, is a tenth of a turn of the leader of a rotor.
+  void free_followers();
 
   /// Reads the loops: those of a robot.yaml override all of the file's.
   void read_loops();

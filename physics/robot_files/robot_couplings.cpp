@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/robot/robot_check.h"
 #include "physics/robot/robot_members.h"
 #include "physics/robot_files/robot_builder.h"
 
@@ -77,6 +78,26 @@ void RobotBuilder::settle_held(const std::map<std::string, double>& held) {
   });
 }
 
+void RobotBuilder::free_followers() {
+  // In a chain of n the last one is right after n rounds, in whichever order they are.
+  for (std::size_t round = 0; round < robot_.couplings.size(); ++round) {
+    for (const JointCoupling& coupling : robot_.couplings) {
+      Joint& follower = joint(coupling.follower);
+      if (follower.limited) continue;
+      const Joint& leader = joint(coupling.leader);
+      const double most = std::max(std::abs(leader.lower), std::abs(leader.upper));
+      double reach = 0, power = 1;
+      for (const double coefficient : coupling.coefficients) {
+        reach += std::abs(coefficient) * power;
+        power *= most;
+      }
+      reach = std::min(reach, kLargestAngle);
+      follower.lower = std::min(follower.lower, -reach);
+      follower.upper = std::max(follower.upper, reach);
+    }
+  }
+}
+
 void RobotBuilder::take_couplings() {
   std::vector<std::string> driven;
   for (const NamedCoupling& coupling : parsed_.couplings) {
@@ -88,6 +109,7 @@ void RobotBuilder::take_couplings() {
     report_.couplings[coupling.follower] = coupling;
     if (coupling.is_driven) driven.push_back(fmt::format("'{}'", coupling.follower));
   }
+  free_followers();
   if (driven.empty()) return;
   report_.warnings.push_back(fmt::format(
       "joints that follow another and have a servo of their own, which pulls against the coupling "

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/robot_files/file_extension.h"
 #include "physics/robot_files/mjcf/mjcf_reader.h"
 #include "physics/robot_files/sdf/sdf_reader.h"
 #include "physics/robot_files/urdf/urdf_reader.h"
@@ -55,7 +56,7 @@ FileArguments& given() noexcept {
 std::span<const RobotFormat> robot_formats() { return kRobotFormats; }
 
 const RobotFormat* robot_format_of(std::string_view path) {
-  const std::string extension = std::filesystem::path(path).extension();
+  const std::string extension = lower_extension(path);
   if (extension.empty()) return nullptr;
   for (const RobotFormat& format : kRobotFormats) {
     if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end())

@@ -13,6 +13,7 @@
 #include "physics/core/error.h"
 #include "physics/core/yaml_reader.h"
 #include "physics/robot/robot.h"
+#include "physics/robot_files/file_extension.h"
 #include "physics/robot_files/robot_builder.h"
 #include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_report.h"
@@ -31,7 +32,9 @@ YamlValue named_file(const YamlValue& root) {
     if (!value) continue;
     if (named) value->fail(fmt::format("either `{}` or `{}`", first_key, format.key), "both");
     const std::string text = value->text();
-    if (!format.any_name && robot_format_of(text) != &format)
+    const RobotFormat* const of_name = robot_format_of(text);
+    const bool may_be = of_name == &format || (of_name == nullptr && format.any_name);
+    if (!may_be)
       value->fail(fmt::format("a {} file", extensions_in_words(format)), fmt::format("'{}'", text));
     named = value;
     first_key = format.key;
@@ -98,8 +101,8 @@ void set_servo_source(ServoSource source) noexcept { source_of_servos() = source
 
 LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos) {
   const fs::path file(path);
-  if (file.extension() == ".yaml" || file.extension() == ".yml")
-    return load_yaml(YamlValue::load(path), servos);
+  const std::string extension = lower_extension(path);
+  if (extension == ".yaml" || extension == ".yml") return load_yaml(YamlValue::load(path), servos);
   if (robot_format_of(path) == nullptr) {
     throw ConfigError(path, "file name", fmt::format("a {} file", robot_files_in_words()),
                       fmt::format("'{}'", file.filename().string()));

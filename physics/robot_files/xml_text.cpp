@@ -1,15 +1,37 @@
 #include "physics/robot_files/xml_text.h"
 
+#include <algorithm>
+#include <string_view>
+
 #include <fmt/format.h>
 #include <tinyxml.h>
 
 #include "physics/core/error.h"
 
 namespace crossgait {
+namespace {
+
+/// What TinyXML cannot read: it would take the rest of the file for text.
+void refuse_own_entities(std::string_view text, const std::string& source) {
+  for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at)) {
+    const std::string_view here = text.substr(at);
+    if (here.starts_with("<!DOCTYPE") && here.find('[') < here.find('>')) {
+      const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+      throw ConfigError(source, fmt::format("line {}", line), "XML that defines no entities of its own",
+                        "<!DOCTYPE ... [");
+    }
+    if (!here.starts_with("<!") && !here.starts_with("<?")) return;  // the element
+    const std::string_view end = here.starts_with("<!--") ? "-->" : ">";
+    at += std::min(here.find(end), here.size() - 1);
+  }
+}
+
+}  // namespace
 
 void parse_xml(const std::string& text, const ReadBudget& budget, const std::string& source,
                TiXmlDocument& document) {
   check_xml_budget(text, budget, source);
+  refuse_own_entities(text, source);
   document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
   if (document.Error()) {
     throw ConfigError(source, fmt::format("line {}", document.ErrorRow()), "well-formed XML",

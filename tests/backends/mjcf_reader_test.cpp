@@ -281,6 +281,7 @@ TEST_F(MjcfReader, MeshesThatAreNotThereAreDroppedAndCounted) {
   EXPECT_TRUE(body(robot, "FL_thigh").shapes.empty());
   ASSERT_EQ(body(robot, "FL_thigh").visuals.size(), 1U);  // known to be missing: collision shapes stand in
   EXPECT_EQ(body(robot, "FL_thigh").visuals[0].mesh, "");
+  EXPECT_TRUE(warns(robot.warnings, "('gone.stl')"));
   for (const char* warning : {"dropped 1 collision mesh(es) whose file is not there",
                               "dropped 1 collision mesh(es) that are no STL, OBJ or DAE",
                               "dropped 1 visual mesh(es) whose file is not there"})

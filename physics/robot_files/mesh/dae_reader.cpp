@@ -15,6 +15,7 @@
 #include "physics/core/error.h"
 #include "physics/core/read_budget.h"
 #include "physics/core/text.h"
+#include "physics/robot_files/mesh/mesh_corners.h"
 #include "physics/robot_files/xml_text.h"
 
 namespace crossgait {
@@ -77,7 +78,10 @@ class DaeNumbers {
 
 class DaeReader {
  public:
-  DaeReader(const TiXmlElement& root, const std::string& path) : root_(root), path_(path) { find_ids(root); }
+  DaeReader(const TiXmlElement& root, const std::string& path, const std::string& part)
+      : root_(root), path_(path), part_(part) {
+    find_ids(root);
+  }
 
   TriangleMesh read() {
     const Transform X = Transform(Eigen::Scaling(unit()));
@@ -91,6 +95,7 @@ class DaeReader {
         for_each(library, "geometry", [&](const TiXmlElement& geometry) { add_geometry(geometry, X); });
       });
     }
+    if (mesh_.triangles.empty() && !part_.empty()) names_.fail_without(path_, part_);
     return std::move(mesh_);
   }
 
@@ -107,7 +112,15 @@ class DaeReader {
 
   void find_ids(const TiXmlElement& element) {
     if (const char* id = element.Attribute("id")) ids_.emplace(id, &element);
+    if (element.ValueStr() == "node" && !part_.empty()) {
+      part_is_node_ = part_is_node_ || is_part(element);
+      for (const char* attribute : {"name", "id"}) names_.add(attribute_of(element, attribute));
+    }
     for (auto* e = element.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) find_ids(*e);
+  }
+
+  bool is_part(const TiXmlElement& element) const {
+    return attribute_of(element, "name") == part_ || attribute_of(element, "id") == part_;
   }
 
   /// The element of the file that an attribute "#ID" names.
@@ -156,6 +169,8 @@ class DaeReader {
   }
 
   void add_node(const TiXmlElement& node, const Transform& X_parent, int depth) {
+    const bool was_in_part = in_part_;
+    in_part_ = in_part_ || (part_is_node_ && is_part(node));
     Transform X = X_parent;
     for (auto* e = node.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
       look_at(*e);
@@ -171,6 +186,7 @@ class DaeReader {
         fail(instance, fmt::format("at most {} levels of nodes", kDaeBudget.depth), "more");
       add_node(named(instance, "url"), X, depth + 1);
     });
+    in_part_ = was_in_part;
   }
 
   /// What an element of a node moves it by; the identity for elements that do not.
@@ -197,6 +213,8 @@ class DaeReader {
   }
 
   void add_geometry(const TiXmlElement& geometry, const Transform& X) {
+    const bool is_read = part_.empty() || in_part_ || (!part_is_node_ && is_part(geometry));
+    if (!is_read) return;
     const TiXmlElement* mesh = geometry.FirstChildElement("mesh");
     if (mesh == nullptr) return;  // a spline
     Placed placed;
@@ -344,7 +362,9 @@ class DaeReader {
   }
 
   const TiXmlElement& root_;
-  const std::string& path_;
+  const std::string &path_, &part_;
+  MeshPartNames names_;
+  bool part_is_node_ = false, in_part_ = false;
   std::map<std::string, const TiXmlElement*> ids_;
   std::map<std::tuple<double, double, double>, std::uint32_t> vertices_;
   TriangleMesh mesh_;
@@ -353,14 +373,14 @@ class DaeReader {
 
 }  // namespace
 
-TriangleMesh read_dae(const std::string& path) {
+TriangleMesh read_dae(const std::string& path, const std::string& part) {
   TiXmlDocument document;
   parse_xml(read_text_file(path, kMeshBudget), kDaeBudget, path, document);
   const TiXmlElement* root = document.RootElement();
   if (root == nullptr || root->ValueStr() != "COLLADA")
     throw ConfigError(path, "file", "a <COLLADA> element",
                       root == nullptr ? "none" : fmt::format("<{}>", printable_text(root->ValueStr(), 200)));
-  TriangleMesh mesh = DaeReader(*root, path).read();
+  TriangleMesh mesh = DaeReader(*root, path, part).read();
   if (mesh.triangles.empty()) throw ConfigError(path, "file", "whole triangles", "none");
   return mesh;
 }

@@ -12,8 +12,10 @@ namespace crossgait {
 /// are passed over, vertices that are equal are one. `<unit meter>` is the scale. The axes are the file's,
 /// whatever
 /// `<up_axis>` says, as RViz, MoveIt and Gazebo have them, which robots' files are made for.
+/// @param part  the name or id of a node, with all that is in it, or, where no node has it, of a geometry:
+/// nothing else is read; all, if empty
 /// @throws ConfigError naming the file and the line: unreadable, beyond kMeshBudget and kDaeBudget, indices
-/// of vertices that are not there, nodes inside themselves, skins, and no triangle
-TriangleMesh read_dae(const std::string& path);
+/// of vertices that are not there, nodes inside themselves, skins, no such part, and no triangle
+TriangleMesh read_dae(const std::string& path, const std::string& part = {});
 
 }  // namespace crossgait

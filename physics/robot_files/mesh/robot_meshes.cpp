@@ -60,8 +60,8 @@ const CollisionShape& RobotMeshes::fitted_to(const std::vector<Vector3>& vertice
   return place->second;
 }
 
-const std::vector<Vector3>& RobotMeshes::vertices_of(const std::string& file) {
-  const auto known = files_.find(file);
+const std::vector<Vector3>& RobotMeshes::vertices_of(const std::string& file, const std::string& part) {
+  const auto known = files_.find({file, part});
   if (known != files_.end()) return known->second;
   std::error_code error;
   bytes_ += std::filesystem::file_size(file, error);
@@ -69,7 +69,7 @@ const std::vector<Vector3>& RobotMeshes::vertices_of(const std::string& file) {
     throw ConfigError(path_, "collision meshes",
                       fmt::format("files of at most {} together", size_in_words(kMaxRobotMeshBytes)), "more");
   }
-  return files_.emplace(file, read_mesh_vertices(file)).first->second;
+  return files_.emplace(std::pair(file, part), read_mesh_vertices(file, part)).first->second;
 }
 
 }  // namespace crossgait

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "physics/robot/robot.h"
@@ -18,8 +19,9 @@ class RobotMeshes {
   /// @param path  of the robot's file, for messages
   RobotMeshes(const std::string& path, ReaderWarnings& warnings) : path_(path), warnings_(warnings) {}
 
-  /// Returns vertices of a mesh file in its own frame and units, read once.
-  const std::vector<Vector3>& vertices_of(const std::string& file);
+  /// Returns vertices of a mesh file, or of a part of it (`read_mesh_vertices`), in its own frame and units,
+  /// read once.
+  const std::vector<Vector3>& vertices_of(const std::string& file, const std::string& part = {});
   /// Makes a shape that has its name and pose of a mesh's vertices in its frame, m. @param where  for
   /// messages
   void set_vertices(std::vector<Vector3> vertices, const std::string& where, CollisionShape& shape);
@@ -33,9 +35,10 @@ class RobotMeshes {
 
   const std::string& path_;
   ReaderWarnings& warnings_;
-  std::map<std::string, std::vector<Vector3>> files_;  ///< vertices by mesh file, in its own frame and units
-  std::size_t bytes_ = 0, vertices_ = 0;               ///< of all of them, for their budget
-  std::map<std::string, CollisionShape> fitted_;       ///< by the SHA-256 of the vertices
+  /// Vertices by mesh file and part, in its own frame and units.
+  std::map<std::pair<std::string, std::string>, std::vector<Vector3>> files_;
+  std::size_t bytes_ = 0, vertices_ = 0;          ///< of all of them, for their budget
+  std::map<std::string, CollisionShape> fitted_;  ///< by the SHA-256 of the vertices
   std::map<std::string, std::vector<Vector3>> mesh_vertices_;
 };
 

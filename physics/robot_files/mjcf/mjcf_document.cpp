@@ -107,11 +107,12 @@ void MjcfDocument::read(const std::string& path, int depth, MjcfElement& into) {
   TiXmlDocument document;
   parse_xml(text, kMjcfBudget, path, document);
   const TiXmlElement* root = document.RootElement();
-  const std::string tag = root == nullptr ? "none" : printable_text(root->ValueStr(), 200);
+  const std::string tag = root == nullptr ? "" : printable_text(root->ValueStr(), 200);
   if (tag != "mujoco" && (is_main || tag != "mujocoinclude")) {
     throw ConfigError(path, "file", is_main ? "a <mujoco> element" : "<mujoco> or <mujocoinclude>",
-                      tag == "robot" ? "<robot>, as a URDF has it: its name has to end in .urdf"
-                                     : fmt::format("<{}>", tag));
+                      tag == "robot"    ? "<robot>, as a URDF has it: its name has to end in .urdf"
+                      : root == nullptr ? "none"
+                                        : fmt::format("<{}>", tag));
   }
   if (is_main) {
     into.line = root->Row();

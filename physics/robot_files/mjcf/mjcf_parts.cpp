@@ -13,6 +13,7 @@
 #include "physics/core/error.h"
 #include "physics/core/read_budget.h"
 #include "physics/core/text.h"
+#include "physics/robot_files/mesh/mesh_vertices.h"
 #include "physics/robot_files/mjcf/mjcf_defaults.h"
 
 namespace crossgait {
@@ -293,6 +294,8 @@ class Taker {
       if (found) mesh.scale = *found;
     }
     mesh.scale = numbers_of<3>(element, "scale", mesh.scale);
+    if (!is_mesh_scale(mesh.scale))
+      fail_at(element, kMeshScale, fmt::format("'{} {} {}'", mesh.scale[0], mesh.scale[1], mesh.scale[2]));
     mesh.p_ref = numbers_of<3>(element, "refpos", mesh.p_ref);
     const Eigen::Vector4d q = numbers_of<4>(element, "refquat", Eigen::Vector4d(1, 0, 0, 0));
     if (q.norm() > 0) mesh.R_ref = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();

@@ -39,7 +39,8 @@ bool is_range_of_play(double lower, double upper) {
 class MjcfTree {
  public:
   MjcfTree(const std::string& path, const MjcfParts& parts, const MjcfModel& model,
-           const MjcfConnects& connects, ReaderWarnings& warnings)
+           const MjcfConnects& connects, const std::vector<NamedCoupling>& couplings,
+           ReaderWarnings& warnings)
       : path_(path),
         parts_(parts),
         model_(model),
@@ -49,6 +50,7 @@ class MjcfTree {
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
       if (model.bodies[i].parent >= 0) children_[model.bodies[i].parent].push_back(static_cast<int>(i));
     }
+    for (const NamedCoupling& coupling : couplings) followers_.insert(coupling.follower);
     for (const MjcfJoint& joint : model.joints) joints_[joint.body].push_back(&joint);
     for (const MjcfGeom& geom : model.geoms) geoms_[geom.body].push_back(&geom);
   }
@@ -244,7 +246,8 @@ class MjcfTree {
       if (margin != 0)
         warnings_.count(fmt::format("took limits closer by their margin of {:g} rad in ", margin),
                         " joint(s)", place);
-      set_limits(source.lower + margin, source.upper - margin, place, joint, warnings_);
+      const auto set = followers_.contains(joint.name) ? set_follower_limits : set_limits;
+      set(source.lower + margin, source.upper - margin, place, joint, warnings_);
       joint.limit_softness = softness_of(source.limit_solref, source.limit_solimp);
     }
     joint.damping = source.damping;
@@ -303,6 +306,7 @@ class MjcfTree {
   std::map<int, std::vector<int>> children_;
   std::map<int, std::vector<const MjcfJoint*>> joints_;
   std::map<int, std::vector<const MjcfGeom*>> geoms_;
+  std::set<std::string> followers_;  ///< joints that follow others
   ParsedRobot robot_;
 };
 
@@ -372,7 +376,7 @@ ParsedRobot read_mjcf(const std::string& path) {
   MjcfParts parts = take_parts(document, warnings);
   const MjcfJointForces forces = take_newer(document, defaults, warnings);
   const MjcfModel model = compile_parts(document, defaults, parts, warnings);
-  ParsedRobot robot = MjcfTree(path, parts, model, connects, warnings).build();
+  ParsedRobot robot = MjcfTree(path, parts, model, connects, couplings.followers, warnings).build();
   robot.loop_softness = connects.softness;
   robot.coupled = std::move(couplings.others);
   robot.couplings = std::move(couplings.followers);

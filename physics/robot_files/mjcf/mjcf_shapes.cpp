@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "physics/core/error.h"
 #include "physics/robot/robot_check.h"
 #include "physics/robot_files/mesh/ellipsoid.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
@@ -71,14 +72,15 @@ bool MjcfShapes::set_vertices(const MjcfGeom& geom, CollisionShape& shape) {
     return true;
   }
   const MjcfMesh& mesh = parts_.meshes.at(geom.mesh);
+  const std::string place = fmt::format("{} ('{}')", where(geom), printable_text(mesh.written, 200));
   std::vector<Vector3> vertices;
   if (mesh.written.empty()) {
     vertices = geom.vertices;
   } else if (!is_mesh_format(mesh.written)) {
-    warnings_.count("dropped ", fmt::format(" collision mesh(es) that are no {}", kMeshFormats), where(geom));
+    warnings_.count("dropped ", fmt::format(" collision mesh(es) that are no {}", kMeshFormats), place);
     return false;
   } else if (mesh.file.empty()) {
-    warnings_.count("dropped ", " collision mesh(es) whose file is not there", where(geom));
+    warnings_.count("dropped ", " collision mesh(es) whose file is not there", place);
     return false;
   } else {
     vertices = meshes_.vertices_of(mesh.file);
@@ -126,7 +128,8 @@ void MjcfShapes::set_visual_mesh(const MjcfGeom& geom, VisualShape& visual) {
     return;
   }
   if (mesh.file.empty()) {
-    warnings_.count("dropped ", " visual mesh(es) whose file is not there", where(geom));
+    warnings_.count("dropped ", " visual mesh(es) whose file is not there",
+                    fmt::format("{} ('{}')", where(geom), printable_text(mesh.written, 200)));
     return;
   }
   // p = s R^T (v - p_ref)

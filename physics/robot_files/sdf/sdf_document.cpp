@@ -186,11 +186,13 @@ void SdfDocument::read(const std::string& path, int depth, SdfElement& into) {
   TiXmlDocument document;
   parse_xml(read_text(path), kSdfBudget, path, document);
   const TiXmlElement* root = document.RootElement();
-  const std::string tag = root == nullptr ? "none" : printable_text(root->ValueStr(), 200);
+  const std::string tag = root == nullptr ? "" : root->ValueStr();
   if (tag != "sdf") {
+    const std::string_view why = tag != "robot" ? ""
+                                 : depth > 0    ? ", as a URDF has it: an SDF includes SDFs alone"
+                                                : ", as a URDF has it: its name has to end in .urdf";
     throw ConfigError(path, "file", "an <sdf> element",
-                      tag == "robot" ? "<robot>, as a URDF has it: its name has to end in .urdf"
-                                     : fmt::format("<{}>", tag));
+                      root == nullptr ? "none" : fmt::format("<{}>{}", printable_text(tag, 200), why));
   }
   into.line = root->Row();
   into.place = "sdf";
@@ -262,8 +264,12 @@ void SdfDocument::include(const SdfElement& element, int depth, SdfElement& into
     if (given == nullptr) continue;
     std::erase_if(model.children, [&](const SdfElement& e) { return e.tag == tag; });
     model.children.push_back(*given);
+    given->pass_over_all();  // of the model's the reader tells
   }
-  for (const SdfElement* plugin : element.all("plugin")) model.children.push_back(*plugin);
+  for (const SdfElement* plugin : element.all("plugin")) {
+    model.children.push_back(*plugin);
+    plugin->pass_over_all();
+  }
   count_unread(element, files_.front(), warnings_);
   model.place = fmt::format("model '{}'", printable_text(model.attribute("name"), 100));
   into.children.push_back(std::move(model));

@@ -155,9 +155,13 @@ class SdfTreeBuilder {
     Joint joint;
     joint.name = source.name;
     joint.axis = (X_MB.linear().transpose() * source.axis_M).normalized();
-    const std::string place = sdf_place(*source.element, path_);
-    if (const SdfElement* axis = source.element->find("axis")) {
-      if (const SdfElement* limit = axis->find("limit")) read_limits(*limit, source, place, joint);
+    const SdfElement* axis = source.element->find("axis");
+    if (axis == nullptr || axis->find("xyz") == nullptr)
+      warnings_.count("took SDF's default of z for the axis of ", " joint(s) that say none",
+                      sdf_place(*source.element, path_));
+    if (axis != nullptr) {
+      if (const SdfElement* limit = axis->find("limit"))
+        read_limits(*limit, source, axis->find("mimic") != nullptr, joint);
       if (const SdfElement* dynamics = axis->find("dynamics")) {
         joint.damping = sdf_number(*dynamics, "damping", 0);
         joint.friction = sdf_number(*dynamics, "friction", 0);
@@ -193,11 +197,13 @@ class SdfTreeBuilder {
     robot_.couplings.push_back(std::move(coupling));
   }
 
-  void read_limits(const SdfElement& limit, const SdfJoint& source, const std::string& place, Joint& joint) {
+  void read_limits(const SdfElement& limit, const SdfJoint& source, bool follows, Joint& joint) {
     const double infinity = std::numeric_limits<double>::infinity();
     const double lower = sdf_bound(limit, "lower", -infinity), upper = sdf_bound(limit, "upper", infinity);
     const bool is_bounded = std::isfinite(lower) || std::isfinite(upper);
-    if (source.type == "revolute" && is_bounded) set_limits(lower, upper, place, joint, warnings_);
+    const auto set = follows ? set_follower_limits : set_limits;
+    if (source.type == "revolute" && is_bounded)
+      set(lower, upper, sdf_place(*source.element, path_), joint, warnings_);
     const double effort = sdf_bound(limit, "effort", -1);
     joint.effort_limit = std::isfinite(effort) ? std::max(0.0, effort) : 0;
     keep_velocity_limit(sdf_bound(limit, "velocity", -1), joint.name, robot_.velocity_limits);
@@ -274,10 +280,7 @@ FoundModel find_robot(const SdfDocument& document, ReaderWarnings& warnings) {
                     fmt::format("{}", fmt::join(names, ", ")));
 }
 
-}  // namespace
-
-ParsedRobot read_sdf(const std::string& path) {
-  ReaderWarnings warnings;
+ParsedRobot read_model(const std::string& path, ReaderWarnings& warnings) {
   const SdfDocument document(path, warnings);
   const FoundModel found = find_robot(document, warnings);
   if (found.model->find("pose") != nullptr)
@@ -300,6 +303,17 @@ ParsedRobot read_sdf(const std::string& path) {
   count_unread(*found.model, path, warnings);
   robot.warnings = warnings.sentences();
   return robot;
+}
+
+}  // namespace
+
+ParsedRobot read_sdf(const std::string& path) {
+  ReaderWarnings warnings;
+  try {
+    return read_model(path, warnings);
+  } catch (const ConfigError& error) {
+    throw with_cause(error, warnings.sentences());
+  }
 }
 
 }  // namespace crossgait

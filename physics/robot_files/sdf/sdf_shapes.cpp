@@ -119,6 +119,7 @@ bool SdfShapes::set_geometry(const SdfElement& shape, CollisionShape& collision)
   if (shape.tag != "ellipsoid") {
     warnings_.count("dropped ", " collision(s) that are no box, sphere, cylinder, capsule, ellipsoid or mesh",
                     where(shape));
+    shape.pass_over_all();
     return false;
   }
   check_shape(collision, path_, where(shape));
@@ -128,7 +129,8 @@ bool SdfShapes::set_geometry(const SdfElement& shape, CollisionShape& collision)
 
 bool SdfShapes::set_mesh(const SdfElement& mesh, CollisionShape& collision) {
   const SdfElement& uri = sdf_needed(mesh, "uri");
-  const Vector3 scale = sdf_vector(mesh, "scale", Vector3::Ones());
+  const Vector3 scale = sdf_mesh_scale(mesh);
+  const SdfSubmesh part = sdf_submesh(mesh);
   const std::string place = fmt::format("{} ('{}')", where(mesh), printable_text(uri.text, 200));
   if (!is_mesh_format(uri.text)) {
     warnings_.count("dropped ", fmt::format(" collision mesh(es) that are no {}", kMeshFormats), place);
@@ -139,7 +141,8 @@ bool SdfShapes::set_mesh(const SdfElement& mesh, CollisionShape& collision) {
     warnings_.count("dropped ", " collision mesh(es) whose file is not there", place);
     return false;
   }
-  std::vector<Vector3> vertices = meshes_.vertices_of(*file);
+  std::vector<Vector3> vertices = meshes_.vertices_of(*file, part.name);
+  part.place(vertices);
   for (Vector3& vertex : vertices) vertex = vertex.cwiseProduct(scale);
   meshes_.set_vertices(std::move(vertices), place, collision);
   return true;
@@ -176,6 +179,7 @@ void SdfShapes::show(const SdfElement& visual, const Pose& X_BL, Body& body) {
   } else {
     warnings_.count("dropped ", " <visual> that are no box, sphere, cylinder, capsule or mesh",
                     where(visual));
+    shape->pass_over_all();
     return;
   }
   body.visuals.push_back(std::move(shown));
@@ -184,12 +188,16 @@ void SdfShapes::show(const SdfElement& visual, const Pose& X_BL, Body& body) {
 void SdfShapes::show_mesh(const SdfElement& mesh, VisualShape& visual) {
   const SdfElement& uri = sdf_needed(mesh, "uri");
   visual.type = VisualType::kMesh;
-  visual.scale = sdf_vector(mesh, "scale", Vector3::Ones());
+  visual.scale = sdf_mesh_scale(mesh);
   const auto file = find_named_file(uri.text, *uri.file);
-  visual.mesh = file.value_or("");
-  if (!file)
-    warnings_.count("dropped ", " visual mesh(es) whose file is not there",
-                    fmt::format("{} ('{}')", where(mesh), printable_text(uri.text, 200)));
+  const std::string place = fmt::format("{} ('{}')", where(mesh), printable_text(uri.text, 200));
+  if (!file) {
+    warnings_.count("dropped ", " visual mesh(es) whose file is not there", place);
+  } else if (!sdf_submesh(mesh).name.empty()) {
+    warnings_.count("dropped ", " visual mesh(es) that are one <submesh> of their file", place);
+  } else {
+    visual.mesh = *file;
+  }
 }
 
 }  // namespace crossgait

@@ -8,6 +8,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/text.h"
+#include "physics/robot_files/mesh/mesh_vertices.h"
 
 namespace crossgait {
 namespace {
@@ -100,6 +101,29 @@ Pose sdf_pose(const SdfElement* pose) {
   const Quaternion q(v[6], v[3], v[4], v[5]);
   if (!(q.norm() > 1e-6)) fail_at(*pose, "a quaternion of non-zero length", quoted_text(*pose));
   return make_pose(q.normalized(), p);
+}
+
+Vector3 sdf_mesh_scale(const SdfElement& mesh) {
+  const Vector3 scale = sdf_vector(mesh, "scale", Vector3::Ones());
+  if (!is_mesh_scale(scale)) fail_at(*mesh.find("scale"), kMeshScale, quoted_text(*mesh.find("scale")));
+  return scale;
+}
+
+void SdfSubmesh::place(std::vector<Vector3>& vertices) const {
+  if (!is_centred) return;
+  Vector3 low = vertices.front(), high = low;
+  for (const Vector3& vertex : vertices) low = low.cwiseMin(vertex), high = high.cwiseMax(vertex);
+  for (Vector3& vertex : vertices) vertex -= (low + high) / 2;
+}
+
+SdfSubmesh sdf_submesh(const SdfElement& mesh) {
+  const SdfElement* element = mesh.find("submesh");
+  if (element == nullptr) return {};
+  const SdfElement& name = sdf_needed(*element, "name");
+  const bool is_centred = sdf_flag(*element, "center", false);
+  if (name.text.empty()) fail_at(name, "the name of a part of the mesh", "none");
+  if (name.text == "__default__") return {};  // SDF's own word for all of it
+  return {name.text, is_centred};
 }
 
 }  // namespace crossgait

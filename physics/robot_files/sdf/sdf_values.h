@@ -1,6 +1,7 @@
 // Numbers, words and poses of an SDF's elements.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,5 +27,18 @@ bool sdf_flag(const SdfElement& parent, std::string_view child, bool otherwise);
 /// Reads a `<pose>`, wherever it is relative to: Euler angles, also in degrees, or a quaternion. Null and
 /// empty ones are the identity.
 Pose sdf_pose(const SdfElement* pose);
+
+/// Reads the `<scale>` of a `<mesh>`, in which no number is 0.
+Vector3 sdf_mesh_scale(const SdfElement& mesh);
+/// Holds what a `<submesh>` says: the name of the part of a mesh file that is meant; empty for all of it.
+struct SdfSubmesh {
+  std::string name;
+  bool is_centred = false;  ///< the middle of the box around the part is the origin
+
+  /// Puts vertices of the part, in the units of the file, where they are meant to be.
+  void place(std::vector<Vector3>& vertices) const;
+};
+/// Reads the `<submesh>` of a `<mesh>`, if there is one.
+SdfSubmesh sdf_submesh(const SdfElement& mesh);
 
 }  // namespace crossgait

@@ -212,7 +212,11 @@ CheckedUrdf check_urdf(const std::string& text, const std::string& source, Reade
   TiXmlDocument document;
   parse_xml(text, kUrdfBudget, source, document);
   const TiXmlElement* robot = document.FirstChildElement("robot");
-  if (robot == nullptr) throw ConfigError(source, "file", "a <robot> element", "none");
+  if (robot == nullptr) {
+    const TiXmlElement* root = document.RootElement();
+    throw ConfigError(source, "file", "a <robot> element",
+                      root == nullptr ? "none" : fmt::format("<{}>", printable_text(root->ValueStr(), 200)));
+  }
   if (const TiXmlElement* xacro = find_xacro(*robot)) {
     throw ConfigError(source, fmt::format("line {}", xacro->Row()),
                       "an expanded URDF, or a file whose name ends in .xacro, which xacro expands",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <set>
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>
@@ -55,9 +56,10 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& 
 
 class TreeBuilder {
  public:
-  TreeBuilder(const std::string& path, const std::map<std::string, std::vector<VisualShape>>& visuals,
-              ReaderWarnings& warnings)
-      : path_(path), visuals_(visuals), warnings_(warnings), shapes_(path, warnings) {}
+  TreeBuilder(const std::string& path, const CheckedUrdf& urdf, ReaderWarnings& warnings)
+      : path_(path), visuals_(urdf.visuals), warnings_(warnings), shapes_(path, warnings) {
+    for (const NamedCoupling& coupling : urdf.couplings) followers_.insert(coupling.follower);
+  }
 
   ParsedRobot build(const urdf::Link& root) {
     add_body(root, -1, Pose::Identity());
@@ -142,8 +144,10 @@ class TreeBuilder {
                         fmt::format("({}, {}, {})", axis.x(), axis.y(), axis.z()));
     }
     joint.axis = axis.normalized();
-    if (source.type == urdf::Joint::REVOLUTE)
-      set_limits(source.limits->lower, source.limits->upper, element, joint, warnings_);
+    if (source.type == urdf::Joint::REVOLUTE) {
+      const auto set = followers_.contains(joint.name) ? set_follower_limits : set_limits;
+      set(source.limits->lower, source.limits->upper, element, joint, warnings_);
+    }
     if (source.limits) {
       joint.effort_limit = std::max(0.0, source.limits->effort);
       keep_velocity_limit(source.limits->velocity, joint.name, robot_.velocity_limits);
@@ -160,6 +164,7 @@ class TreeBuilder {
   const std::map<std::string, std::vector<VisualShape>>& visuals_;
   ReaderWarnings& warnings_;
   UrdfShapes shapes_;
+  std::set<std::string> followers_;  ///< joints that follow others
   ParsedRobot robot_;
 };
 
@@ -192,7 +197,7 @@ ParsedRobot read_urdf_text(const std::string& text, const std::string& path) {
   ReaderWarnings warnings;
   const CheckedUrdf checked = check_urdf(text, path, warnings);
   const urdf::ModelInterfaceSharedPtr model = parse(checked.text, path);
-  ParsedRobot robot = TreeBuilder(path, checked.visuals, warnings).build(*model->getRoot());
+  ParsedRobot robot = TreeBuilder(path, checked, warnings).build(*model->getRoot());
   robot.name = model->getName();
   robot.couplings = checked.couplings;
   add_extensions(checked.extensions, path, robot);

@@ -68,13 +68,15 @@ bool UrdfShapes::set_mesh(const urdf::Mesh& mesh, const urdf::Link& link, Collis
     warnings_.count("dropped ", fmt::format(" collision mesh(es) that are no {}", kMeshFormats), where);
     return false;
   }
+  const Vector3 scale = to_vector(mesh.scale);
+  if (!is_mesh_scale(scale))
+    throw ConfigError(path_, where, kMeshScale, fmt::format("'{} {} {}'", scale.x(), scale.y(), scale.z()));
   const auto file = find_named_file(mesh.filename, path_);
   if (!file) {
     warnings_.count("dropped ", " collision mesh(es) whose file is not there", where);
     return false;
   }
   std::vector<Vector3> vertices = meshes_.vertices_of(*file);
-  const Vector3 scale = to_vector(mesh.scale);
   for (Vector3& vertex : vertices) vertex = vertex.cwiseProduct(scale);
   meshes_.set_vertices(std::move(vertices), where, shape);
   return true;

@@ -9,6 +9,7 @@
 #include "physics/core/error.h"
 #include "physics/core/text.h"
 #include "physics/robot_files/mesh/mesh_path.h"
+#include "physics/robot_files/mesh/mesh_vertices.h"
 #include "physics/robot_files/urdf/urdf_elements.h"
 #include "physics/robot_files/xml_text.h"
 
@@ -115,7 +116,7 @@ class VisualReader {
       shape.mesh = attribute_of(element, "filename");
       const auto scale = numbers_in<3>(element, "scale", Vector3(1, 1, 1));
       if (scale) shape.scale = *scale;
-      return scale && !shape.mesh.empty();
+      return scale && is_mesh_scale(*scale) && !shape.mesh.empty();
     }
     if (tag == "box") {
       shape.type = VisualType::kBox;

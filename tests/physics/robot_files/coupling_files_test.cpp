@@ -1,5 +1,6 @@
 // Coupled joints of URDFs and robot.yaml: who follows, which legs come of it, and what is refused.
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -20,6 +21,11 @@ class CouplingFiles : public ScratchFolder {
   LoadedRobot load(const SerialUrdf& urdf) { return load_robot_with_report(write("made.urdf", urdf.text())); }
   ConfigError refusal(const std::string& text) {
     return config_error([&] { (void)load_robot(write("made.urdf", text)); });
+  }
+  static int index_of(const RobotDescription& robot, const std::string& joint) {
+    int i = 0;
+    while (robot.joint(i).name != joint) ++i;
+    return i;
   }
   static SerialUrdf with_ankle() {
     SerialUrdf urdf;
@@ -112,6 +118,41 @@ TEST_F(CouplingFiles, BarsBesideALegMoveAlongWithIt) {
   EXPECT_EQ(robot.actuated_joints().size(), 12U);
   for (const JointCoupling& coupling : robot.couplings)
     EXPECT_NEAR(robot.home[coupling.follower], robot.home[coupling.leader], 1e-12);
+}
+
+// The rotor of a motor turns with its joint, as often as the gear says: neither whole turns nor limits of
+// many turns are mistakes. A multiplier of 9 takes it to 9 times its leader's farthest limit.
+TEST_F(CouplingFiles, ARotorBehindAGearTurnsManyTimes) {
+  const auto with_rotors = [](const std::string& type, const std::string& limit, int gear) {
+    SerialUrdf urdf;
+    for (const Leg leg : kLegs) {
+      urdf.more += urdf.link(fmt::format("{}_rotor", name(leg)), 0.05, Vector3::Zero(), "");
+      urdf.more += fmt::format(
+          R"(<joint name="{0}_rotor_joint" type="{1}"><parent link="{0}_hip"/><child link="{0}_rotor"/>)"
+          R"(<axis xyz="0 1 0"/>{2}<mimic joint="{0}_pitch" multiplier="{3}"/></joint>)",
+          name(leg), type, limit, gear);
+    }
+    return urdf;
+  };
+  for (const int gear : {9, -9}) {
+    const RobotDescription robot = load(with_rotors("continuous", "", gear)).robot;
+    EXPECT_EQ(robot.couplings.size(), 4U);
+    const int rotor = index_of(robot, "FL_rotor_joint"), pitch = index_of(robot, "FL_pitch");
+    EXPECT_FALSE(robot.joint(rotor).limited);
+    EXPECT_EQ(robot.joint(rotor).upper, 9 * robot.joint(pitch).upper);
+    EXPECT_EQ(robot.joint(rotor).lower, -robot.joint(rotor).upper);
+    EXPECT_NEAR(robot.home[rotor], gear * robot.home[pitch], 1e-12);
+    EXPECT_GT(std::abs(robot.home[rotor]), std::numbers::pi) << "or this says nothing";
+  }
+  const LoadedRobot limited =
+      load(with_rotors("revolute", R"(<limit lower="-100" upper="100" effort="1" velocity="1"/>)", 9));
+  const Joint& rotor = limited.robot.joint(index_of(limited.robot, "FL_rotor_joint"));
+  EXPECT_TRUE(rotor.limited);
+  EXPECT_EQ(rotor.upper, 100);
+  EXPECT_TRUE(limited.report.warnings.empty());
+  const LoadedRobot endless =
+      load(with_rotors("revolute", R"(<limit lower="-1e9" upper="1e9" effort="1" velocity="1"/>)", 9));
+  EXPECT_FALSE(endless.robot.joint(index_of(endless.robot, "FL_rotor_joint")).limited);
 }
 
 TEST_F(CouplingFiles, WhatIsHeldIsHeldWhereItsLeaderHasIt) {

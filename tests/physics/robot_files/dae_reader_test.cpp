@@ -81,6 +81,32 @@ TEST_F(DaeFiles, ArePutWhereNodesSay) {
   EXPECT_EQ(read_mesh_triangles(write("b.DAE", text)).triangles, mesh.triangles);
 }
 
+// A triangle of the square, whose fourth corner no face has.
+TEST_F(DaeFiles, AreTheVerticesOfTheirFaces) {
+  const std::string file =
+      write("a.dae", dae(fmt::format("<triangles>{}<p>0 0 0 1 0 2</p></triangles>", kInputs)));
+  EXPECT_EQ(read_mesh_vertices(file), (std::vector<Vector3>{{0, 0, 0}, {1, 0, 0}, {1, 2, 0}}));
+}
+
+TEST_F(DaeFiles, AreReadInPart) {
+  const std::string shown = scene(
+      "<node name=\"arm\"><translate>1 0 0</translate><node id=\"hand\"><translate>0 1 0</translate>"
+      "<instance_geometry url=\"#g\"/></node></node>"
+      "<node name=\"tail\"><translate>7 0 0</translate><instance_geometry url=\"#g\"/></node>");
+  const std::string file = write("a.dae", dae(kTriangles, shown));
+  const auto first = [&](const std::string& part) { return read_mesh_vertices(file, part).front(); };
+  EXPECT_EQ(first("hand"), Vector3(1, 1, 0));
+  EXPECT_EQ(first("arm"), Vector3(1, 1, 0)) << "with all that is in it";
+  EXPECT_EQ(first("tail"), Vector3(7, 0, 0));
+  EXPECT_EQ(read_mesh_vertices(file, "tail").size(), 4U);
+  EXPECT_EQ(read_mesh_vertices(file, "g").size(), 8U) << "a geometry, wherever it is shown";
+  EXPECT_EQ(first("g"), Vector3(1, 1, 0));
+  const ConfigError error = config_error([&] { first("leg"); });
+  EXPECT_EQ(error.source(), file);
+  EXPECT_EQ(error.expected(), "faces of a part named 'leg'");
+  EXPECT_EQ(error.found(), "'arm', 'hand', 'tail'");
+}
+
 TEST_F(DaeFiles, NameWhatIsWrong) {
   const auto error = [&](const std::string& text) {
     const ConfigError e = config_error([&] { read(text); });

@@ -36,6 +36,13 @@ inline std::string text_stl(const std::vector<Vector3>& corners) {
   return text + "endsolid mesh\n";
 }
 
+/// Replaces each line feed.
+inline std::string with_line_ends(const std::string& text, const std::string& end) {
+  std::string result;
+  for (const char c : text) result += c == '\n' ? end : std::string(1, c);
+  return result;
+}
+
 /// Writes corners of a box of these edges around the origin, as an OBJ.
 inline std::string box_obj(const Vector3& edges) {
   std::string text;

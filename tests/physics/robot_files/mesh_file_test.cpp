@@ -1,3 +1,4 @@
+#include <cctype>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -26,10 +27,11 @@ const std::vector<Vector3> kTwoTriangles{{0, 0, 0.5}, {1, 0, 0.5}, {0, 1, 0.5},
 TEST_F(MeshFiles, AreReadInEveryFormat) {
   EXPECT_EQ(read_mesh_vertices(write("a.stl", binary_stl(kTwoTriangles))), kSquare);
   EXPECT_EQ(read_mesh_vertices(write("b.STL", text_stl(kTwoTriangles))), kSquare);
-  EXPECT_EQ(read_mesh_vertices(write("c.obj",
-                                     "# v 9 9 9\r\nmtllib none.mtl\no square\r\nv 0 0 .5\r\nv 1 0 0.5\n"
-                                     "\tv\t0 1 5e-1 1.0\nvn 0 0 1\nvt 0 0\nv 1 1 +0.5 .2 .2 .2\nf 1 2 3\n")),
-            kSquare);
+  EXPECT_EQ(
+      read_mesh_vertices(write("c.obj",
+                               "# v 9 9 9\r\nmtllib none.mtl\no square\r\nv 0 0 .5\r\nv 1 0 0.5\n"
+                               "\tv\t0 1 5e-1 1.0\nvn 0 0 1\nvt 0 0\nv 1 1 +0.5 .2 .2 .2\nf 1 2 4 3\n")),
+      kSquare);
   EXPECT_TRUE(is_mesh_format("a/b.Obj"));
   for (const char* other : {"a.ply", "stl", "a.stl/b", ""}) EXPECT_FALSE(is_mesh_format(other)) << other;
 }
@@ -40,6 +42,59 @@ TEST_F(MeshFiles, MayBeBinaryAndBeginAsText) {
   std::memcpy(stl.data(), "solid", 5);
   EXPECT_EQ(read_mesh_vertices(write("a.stl", stl)), kSquare);
   EXPECT_EQ(read_mesh_vertices(write("b.stl", binary_stl(kTwoTriangles) + "end")), kSquare);
+  EXPECT_EQ(read_mesh_vertices(write("c.stl", stl + "end")), kSquare);
+}
+
+TEST_F(MeshFiles, AreTextWhoseLinesEndAsOnAnySystem) {
+  const std::string obj = "v 0 0 .5\nv 1 0 .5\nv 0 1 .5\nv 1 1 .5\nf 1 2 4 3\n",
+                    stl = text_stl(kTwoTriangles);
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    EXPECT_EQ(read_mesh_vertices(write("a.obj", with_line_ends(obj, end))), kSquare) << end;
+    EXPECT_EQ(read_mesh_vertices(write("a.stl", with_line_ends(stl, end))), kSquare) << end;
+    const std::string bad = write("b.obj", with_line_ends("v 0 0 0\n\nv 1 0 x\n", end));
+    EXPECT_EQ(config_error([&] { read_mesh_vertices(bad); }).element(), "line 3");
+  }
+}
+
+// As some exporters write it: in capitals, without line ends, named by a keyword.
+TEST_F(MeshFiles, MayBeTextOfAnyLook) {
+  const std::string text = text_stl(kTwoTriangles);
+  std::string capitals = text;
+  for (char& c : capitals) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  std::string named = text;
+  named.replace(0, std::strlen("solid mesh"), " solid my vertex list");
+  for (const std::string& stl : {capitals, named, with_line_ends(text, " "), with_line_ends(named, " ")})
+    EXPECT_EQ(read_mesh_vertices(write("a.stl", stl)), kSquare) << stl;
+  // Two solids, of which each is half.
+  std::string two = text;
+  two.insert(two.find("  facet", 20), "endsolid vertex\nsolid vertex 2\n");
+  EXPECT_EQ(read_mesh_vertices(write("a.stl", two)), kSquare);
+}
+
+// What an edit left over stands anywhere; points without any face are what there is.
+TEST_F(MeshFiles, AreTheVerticesOfTheirFaces) {
+  const std::string points = "v 0 0 .5\nv 1 0 .5\nv 9 9 9\nv 0 1 .5\nv 1 1 .5\n";
+  EXPECT_EQ(read_mesh_vertices(write("a.obj", points + "f 1 2 4\nf -1 -2 -4\n")), kSquare);
+  EXPECT_EQ(read_mesh_vertices(write("b.obj", points)).size(), 5U);
+  const std::string bad = write("c.obj", points + "f 1 2 6\n");
+  EXPECT_EQ(config_error([&] { read_mesh_vertices(bad); }).element(), "line 6");
+}
+
+TEST_F(MeshFiles, AreReadInPart) {
+  const std::string file = write("a.obj",
+                                 "v 0 0 .5\nv 1 0 .5\nv 0 1 .5\nv 1 1 .5\nv 5 5 5\nv 6 5 5\nv 5 6 5\n"
+                                 "o left wheel\nf 1 2 3\ng tyre rim\nf 2 3 4\no body\nf 5 6 7\n");
+  const auto first = [&](const std::string& part) { return read_mesh_vertices(file, part); };
+  EXPECT_EQ(first("left wheel"), kSquare) << "with its groups";
+  EXPECT_EQ(first("tyre"), (std::vector<Vector3>{kSquare[1], kSquare[2], kSquare[3]}));
+  EXPECT_EQ(first("rim"), first("tyre"));
+  EXPECT_EQ(first("body"), (std::vector<Vector3>{{5, 5, 5}, {5, 6, 5}, {6, 5, 5}}));
+  const ConfigError error = config_error([&] { first("left"); });
+  EXPECT_EQ(error.source(), file);
+  EXPECT_EQ(error.expected(), "faces of a part named 'left'");
+  EXPECT_EQ(error.found(), "'left wheel', 'tyre rim', 'body'");
+  const std::string stl = write("a.stl", text_stl(kTwoTriangles));
+  EXPECT_EQ(config_error([&] { read_mesh_vertices(stl, "mesh"); }).found(), "no part with a name");
 }
 
 TEST_F(MeshFiles, HaveTrianglesThatShareCorners) {
@@ -129,6 +184,19 @@ TEST_F(MeshFiles, AreFoundFromTheUrdfUpwards) {
     finds(none, "none");
   }
   finds(std::string(100000, 'a') + ".stl", "none");
+  // URIs: one slash is enough of an absolute one, escapes are undone, and ".." leaves a package.
+  finds("file:" + tail, tail);
+  const std::string blank = write("share/dog/meshes/left shin (1).stl", "1"),
+                    percent = write("share/dog/meshes/100%25.stl", "1");
+  finds("package://dog/meshes/left%20shin%20(1).stl", blank);
+  finds("file://" + path("share/dog/meshes/left%20shin%20%281%29.stl"), blank);
+  finds("meshes/left%20shin%20(1).stl", "none");  // no URI
+  finds("meshes/100%25.stl", percent);
+  finds("package://dog/meshes/100%25.stl", percent);
+  finds("package://dog/meshes/shin.stl%00.stl", "none");
+  finds("package://dog/meshes/shin.stl%", "none");
+  finds("package://no_package/../meshes/shin.stl", shin);
+  finds("package://dog/../cat/meshes/tail.stl", tail);
 }
 
 TEST_F(MeshFiles, AreFoundThroughTheEnvironment) {

@@ -1,5 +1,6 @@
 #include "physics/robot_files/robot_formats.h"
 
+#include <cctype>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -18,9 +19,13 @@ TEST(RobotFormats, AreKnownByTheirExtensions) {
       EXPECT_TRUE(extensions.insert(extension).second) << extension;
       EXPECT_EQ(robot_format_of("some/robot" + std::string(extension)), &format);
       EXPECT_TRUE(is_robot_file("robot" + std::string(extension)));
+      std::string capitals(extension);
+      for (char& c : capitals) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+      EXPECT_EQ(robot_format_of("Robot" + capitals), &format) << "of Windows and some programs";
+      EXPECT_EQ(name_of_robot_file("Robot" + capitals), "Robot");
     }
   }
-  for (const char* other : {"robot.yaml", "robot", "robot.XML", "robot.", ""})
+  for (const char* other : {"robot.yaml", "robot", "robot.urdf/a", "robot.", ""})
     EXPECT_EQ(robot_format_of(other), nullptr) << other;
 }
 

@@ -423,6 +423,12 @@ std::string without_foot() {
   return urdf.text();
 }
 
+std::string with_missing_foot() {
+  SerialUrdf urdf;
+  urdf.foot_shape = R"(<mesh filename="gone.stl"/>)";
+  return urdf.text();
+}
+
 std::string stiff_knees() {
   SerialUrdf urdf;
   urdf.knee_limits = R"(lower="-0.1" upper="0.1" effort="1" velocity="1")";
@@ -441,6 +447,11 @@ INSTANTIATE_TEST_SUITE_P(
                 {"four branches of the base that are alike", "2 joints from 'RR_abduction'"}},
         Refusal{"TwoInOneQuadrant", in_one_quadrant, {"one leg in each quadrant", "both"}},
         Refusal{"NoFoot", without_foot, {"link 'FL_shin'", "a collision shape to find the foot by"}},
+        Refusal{"MissingFoot",
+                with_missing_foot,
+                {"a collision shape to find the foot by",
+                 "found none (dropped 4 collision mesh(es) whose file is not there, first in link 'FL_shin' "
+                 "('gone.stl'))"}},
         Refusal{"StiffKnees", stiff_knees, {"legs.FL", "limits that forbid it", "'FL_knee' -0.1..0.1"}}),
     [](const auto& test) { return test.param.name; });
 

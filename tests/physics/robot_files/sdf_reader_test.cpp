@@ -340,8 +340,10 @@ TEST(SdfReader, TakesWhatAJointSays) {
   EXPECT_TRUE(warns(robot, "ignored 1 <stiffness> of <limit>"));
   for (const char* none : {"-1e16", "-inf"}) {
     const ParsedRobot free = read_text(two_links(
-        "", fmt::format("<axis><limit><lower>{0}</lower><upper>inf</upper><effort>-1</effort></limit></axis>",
-                        none)));
+        "",
+        fmt::format("<axis><xyz>0 0 "
+                    "1</xyz><limit><lower>{0}</lower><upper>inf</upper><effort>-1</effort></limit></axis>",
+                    none)));
     EXPECT_FALSE(free.bodies[1].joint.limited);
     EXPECT_EQ(free.bodies[1].joint.effort_limit, 0);
     EXPECT_TRUE(free.warnings.empty());
@@ -506,6 +508,60 @@ TEST(SdfReader, IncludesModelsByFolderAndFile) {
   EXPECT_EQ(cycle.expected(), "files that do not include themselves");
 }
 
+// A quarter turn about z and a metre along x, of a link or the model, however the <pose> of an <include> says
+// it: the hand is where the model has it, 0.5 m along its y.
+TEST(SdfReader, PutsAnIncludeWhereItsPoseSays) {
+  const ScratchRobot scratch;
+  scratch.write(
+      "tool.sdf",
+      "<sdf version=\"1.9\"><model name=\"tool\"><link name=\"hand\"><pose>0 .5 0 0 0 0</pose><inertial>"
+      "<mass>.5</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link></model>"
+      "</sdf>");
+  const auto placed = [&](const std::string& pose) {
+    const ParsedRobot robot = read_text(
+        scratch,
+        two_links("", "<axis><xyz>0 1 0</xyz></axis>",
+                  "<frame name=\"f\"><pose>0 0 7 0 0 0</pose></frame><include><uri>tool.sdf</uri>" + pose +
+                      "</include><joint name=\"weld\" type=\"fixed\"><parent>base</parent><child>"
+                      "tool::hand</child></joint>"));
+    EXPECT_FALSE(warns(robot, "ignored")) << robot.warnings.front();
+    return Vector3(robot.links.at("tool::hand").X_BL.translation());
+  };
+  const Vector3 turned(0.5, 0, 0);  // (0, 0.5, 0) by a quarter turn, and (1, 0, 0)
+  EXPECT_LT((placed("<pose degrees=\"true\">1 0 0 0 0 90</pose>") - turned).norm(), kSame);
+  EXPECT_LT((placed("<pose rotation_format=\"quat_xyzw\">1 0 0 0 0 1 1</pose>") - turned).norm(), kSame);
+  EXPECT_LT((placed("<pose relative_to=\"f\" degrees=\"1\">1 0 0 0 0 90</pose>") - turned - Vector3(0, 0, 7))
+                .norm(),
+            kSame);
+}
+
+TEST(SdfReader, SaysWhatOfAFileIsMissing) {
+  const ScratchRobot scratch;
+  const auto refusal = [&](const std::string& uri) {
+    return config_error(
+        [&] { read_text(scratch, "<world name=\"w\"><include><uri>" + uri + "</uri></include></world>"); });
+  };
+  EXPECT_EQ(refusal("model://gone").found(),
+            "none (left out 1 <include> whose file is not there, first in world 'w', include (line 2) "
+            "('model://gone'))");
+  const ConfigError urdf = refusal("robot.urdf");
+  EXPECT_EQ(urdf.source(), scratch.path("robot.urdf"));
+  EXPECT_EQ(urdf.found(), "<robot>, as a URDF has it: an SDF includes SDFs alone");
+}
+
+TEST(SdfReader, SaysOnceWhatItLeavesOut) {
+  const ParsedRobot robot = read_text(two_links(
+      "<gravity>false</gravity><collision name=\"c\"><geometry><polyline><point>0 0</point><point>1 0</point>"
+      "<point>0 1</point><height>1</height></polyline></geometry></collision>"));
+  EXPECT_EQ(
+      robot.warnings,
+      (std::vector<std::string>{
+          "took SDF's default of z for the axis of 1 joint(s) that say none, first in joint 'hinge' (line 5)",
+          "dropped 1 collision(s) that are no box, sphere, cylinder, capsule, ellipsoid or mesh, first in "
+          "link 'rod', collision 'c', geometry, polyline (line 4)",
+          "ignored 1 <gravity> of <link>, first in link 'rod', gravity (line 4): gravity=\"false\""}));
+}
+
 struct BadSdf {
   const char* name;
   std::string text, element, expected, found;
@@ -533,6 +589,9 @@ INSTANTIATE_TEST_SUITE_P(
     SdfReader, BadSdfs,
     Values(
         BadSdf{"Urdf", "<robot/>", "file", "an <sdf> element", "its name has to end in .urdf"},
+        BadSdf{"AnotherElement", "<mujoco/>", "file", "an <sdf> element", "<mujoco>"},
+        BadSdf{"Entities", "<?xml version=\"1.0\"?>\n<!-- < -->\n<!DOCTYPE a [<!ENTITY m \"5.2\">]>\n<sdf/>",
+               "line 3", "XML that defines no entities of its own", "<!DOCTYPE ... ["},
         BadSdf{"NoVersion", "<sdf/>", "line 1, sdf", "version 1.4 to 1.12", "''"},
         BadSdf{"OldVersion", "<sdf version=\"1.3\"/>", "line 1, sdf", "version 1.4 to 1.12", "'1.3'"},
         BadSdf{"NoModel", sdf(""), "sdf", "a model with joints", "none"},

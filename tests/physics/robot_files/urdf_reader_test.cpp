@@ -134,6 +134,7 @@ TEST(UrdfReader, ReadsADecimalPointInEveryLocale) {
 
 TEST(UrdfReader, RejectsOtherFormats) {
   EXPECT_EQ(config_error([] { read("<sdf/>"); }).expected(), "a <robot> element");
+  EXPECT_EQ(config_error([] { read("<sdf/>"); }).found(), "<sdf>");
   EXPECT_EQ(config_error([] { read(""); }).expected(), "well-formed XML");
   EXPECT_EQ(config_error([] { read("<robot name='r'/>"); }).expected(), "at least one link");
 }

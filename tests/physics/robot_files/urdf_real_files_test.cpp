@@ -415,6 +415,11 @@ TEST_F(UrdfTraps, MeshesTogetherHaveABudget) {
             "files of at most 64 MiB together");
   // A mesh that is there, and is none, is a mistake.
   EXPECT_EQ(refused(mesh(write("bad.stl", "none"))).source(), path("bad.stl"));
+  const ConfigError flat =
+      refused("<collision><geometry><mesh filename='many.obj' scale='0 1 1'/></geometry></collision>");
+  EXPECT_EQ(flat.element(), "link 'a' ('many.obj')");
+  EXPECT_EQ(flat.expected(), "a scale of three numbers that are not 0");
+  EXPECT_EQ(flat.found(), "'0 1 1'");
 }
 
 TEST_F(UrdfTraps, XacroIsKnownByTheNameOfTheFile) {
