@@ -9,6 +9,7 @@
 
 #include "physics/core/error.h"
 #include "physics/robot/robot_members.h"
+#include "physics/robot_files/reader_warnings.h"
 #include "physics/robot_files/robot_contact.h"
 #include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_servos.h"

@@ -12,6 +12,7 @@
 #include "physics/core/text.h"
 #include "physics/robot_files/mesh/mesh_corners.h"
 #include "physics/robot_files/mesh/mesh_text.h"
+#include "physics/robot_files/xml_text.h"
 
 namespace crossgait {
 namespace {

@@ -104,7 +104,7 @@ Pose sdf_pose(const SdfElement* pose) {
 }
 
 Vector3 sdf_mesh_scale(const SdfElement& mesh) {
-  const Vector3 scale = sdf_vector(mesh, "scale", Vector3::Ones());
+  Vector3 scale = sdf_vector(mesh, "scale", Vector3::Ones());
   if (!is_mesh_scale(scale)) fail_at(*mesh.find("scale"), kMeshScale, quoted_text(*mesh.find("scale")));
   return scale;
 }
