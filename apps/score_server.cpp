@@ -69,31 +69,21 @@ ScoredPoliciesOptions asked_for(const std::string& line, ScoredPoliciesOptions o
   return options;
 }
 
-nlohmann::ordered_json answer(const std::string& line, const ScoredPoliciesOptions& defaults,
-                              nlohmann::ordered_json policy) {
-  try {
-    const ScoredPoliciesOptions options = asked_for(line, defaults, policy);
-    const ScoredPolicies scored = score_them(read_scored(options), options.how);
-    return {{"policy", policy}, {"cells", to_json(scored.cells, options.how).at("cells")}};
-  } catch (const ConfigError& error) {
-    return {{"policy", policy}, {"error", error.what()}};
-  }
-}
-
 }  // namespace
 
 void serve_scores(const ScoredPoliciesOptions& options) {
   listen_for_interruption();
   InputLines lines;
   for (;;) {
-    nlohmann::ordered_json answered;
+    nlohmann::ordered_json answered = {{"policy", nullptr}};
     try {
       const std::optional<std::string> line = lines.next();
       if (!line) return;
       const FilesRead apart(FilesRead::Scope::kApart);  // each answer is of the files of its question
-      answered = answer(*line, options, nullptr);
+      const ScoredPoliciesOptions asked = asked_for(*line, options, answered["policy"]);
+      answered["cells"] = to_json(score_them(read_scored(asked), asked.how).cells, asked.how).at("cells");
     } catch (const ConfigError& error) {
-      answered = {{"policy", nullptr}, {"error", error.what()}};
+      answered["error"] = error.what();
     }
     print_data(answered.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     flush_standard_output();

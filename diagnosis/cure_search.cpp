@@ -162,13 +162,7 @@ std::vector<Candidate> later_firsts(const std::vector<Candidate>& glanced,
   for (const Candidate& pair : pairs) {
     if (later.size() == kSeconds) break;
     const auto alone = std::ranges::find(glanced, std::vector{pair.fields.back()}, &Candidate::fields);
-    if (alone == glanced.end()) continue;
-    Candidate second = *alone;
-    second.to = pair.change.to;
-    second.change = pair.change;
-    second.config = second.before;
-    second.change.apply(second.config);
-    add(second);
+    if (alone != glanced.end()) add(Search::with_change(*alone, pair.change));
   }
   for (const Candidate& one : glanced)
     if (one.change.usual) add(one);
@@ -176,12 +170,11 @@ std::vector<Candidate> later_firsts(const std::vector<Candidate>& glanced,
 }
 
 // Changes on top of these first ones, of a few at a time and as long as none settles it.
-std::vector<Candidate> search_pairs(Search& search, std::span<const Candidate> firsts, const BestAlone& alone,
-                                    const Progress& progress) {
+std::vector<Candidate> search_in_groups(Search& search, std::span<const Candidate> firsts,
+                                        const BestAlone& alone, const Progress& progress) {
   constexpr std::size_t kTogether = 5;
   std::vector<Candidate> found;
-  for (std::size_t i = 0; i < firsts.size() && !any_settles(found, search) && !search.is_late();
-       i += kTogether) {
+  for (std::size_t i = 0; i < firsts.size() && !any_settles(found, search); i += kTogether) {
     const std::size_t count = std::min(kTogether, firsts.size() - i);
     const auto share = [&](std::size_t k) {
       return static_cast<double>(k) / static_cast<double>(firsts.size());
@@ -198,9 +191,10 @@ std::vector<Candidate> search_pairs(Search& search, const std::vector<Candidate>
                                     const Progress& progress) {
   const BestAlone alone(glanced);
   const std::vector<Candidate> firsts = firsts_of_pairs(glanced);
-  std::vector<Candidate> found = search_pairs(search, firsts, alone, part_of(progress, 0, 0.6));
+  std::vector<Candidate> found = search_in_groups(search, firsts, alone, part_of(progress, 0, 0.6));
   if (any_settles(found, search) || search.was_cut_short()) return found;
-  append(search_pairs(search, later_firsts(glanced, firsts, found), alone, part_of(progress, 0.6, 1)), found);
+  append(search_in_groups(search, later_firsts(glanced, firsts, found), alone, part_of(progress, 0.6, 1)),
+         found);
   return found;
 }
 

@@ -126,8 +126,12 @@ std::vector<Candidate> Search::changes(const Candidate* before) const {
 }
 
 Candidate Search::in_strength(const Candidate& candidate, double strength) {
+  return with_change(candidate, candidate.change.in_strength(strength));
+}
+
+Candidate Search::with_change(const Candidate& candidate, const FieldChange& change) {
   Candidate other = candidate;
-  other.change = candidate.change.in_strength(strength);
+  other.change = change;
   const std::size_t last = candidate.to.rfind(kAnd);  // of two, the second
   other.to =
       last == std::string::npos ? other.change.to : candidate.to.substr(0, last) + kAnd + other.change.to;

@@ -57,7 +57,9 @@ class Search {
   /// Lists every change that the table has for `before`, a candidate or the base, but of fields that it has
   /// changed.
   std::vector<Candidate> changes(const Candidate* before) const;
-  /// Returns `candidate` with the change of its last field in another strength.
+  /// Returns `candidate` with another change of its last field.
+  static Candidate with_change(const Candidate& candidate, const FieldChange& change);
+  /// Returns it with that change in another strength.
   static Candidate in_strength(const Candidate& candidate, double strength);
 
   /// Runs those candidates that have not been; what no environment can be is dropped.

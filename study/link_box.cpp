@@ -5,37 +5,20 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "physics/engine/contact_features.h"
+
 namespace crossgait {
 
 void LinkOutline::add(const CollisionShape& shape) {
-  const Pose& X = shape.X_BG;
   constexpr int kRim = 16;
-  switch (shape.type) {
-    case ShapeType::kSphere:
-      balls_.push_back({X.translation(), shape.size[0]});
-      break;
-    case ShapeType::kCapsule:
-      for (const double z : {-shape.size[1], shape.size[1]})
-        balls_.push_back({X * Vector3(0, 0, z), shape.size[0]});
-      break;
-    case ShapeType::kCylinder:
-      for (const double z : {-shape.size[1], shape.size[1]}) {
-        for (int i = 0; i < kRim; ++i) {
-          const double angle = 2 * M_PI * i / kRim;
-          add(X * Vector3(shape.size[0] * std::cos(angle), shape.size[0] * std::sin(angle), z));
-        }
-      }
-      break;
-    case ShapeType::kBox:
-      for (int corner = 0; corner < 8; ++corner) {
-        const Vector3 sign((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1,
-                           (corner & 4) != 0 ? 1 : -1);
-        add(X * shape.size.cwiseProduct(sign));
-      }
-      break;
-    case ShapeType::kHull:
-      for (const Vector3& vertex : shape.vertices) add(X * vertex);
-      break;
+  for (const ContactFeature& feature : features_of(shape)) {
+    if (feature.rim == 0) {
+      balls_.push_back({shape.X_BG * feature.p_GC, feature.radius});
+      continue;
+    }
+    const Vector3 first = feature.rim * feature.axis_G.unitOrthogonal();
+    for (int i = 0; i < kRim; ++i)
+      add(shape.X_BG * (feature.p_GC + Eigen::AngleAxisd(2 * M_PI * i / kRim, feature.axis_G) * first));
   }
 }
 

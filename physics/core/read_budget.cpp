@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/core/text.h"
 
 namespace crossgait {
 namespace {
@@ -49,9 +50,7 @@ std::size_t behind(std::string_view text, std::string_view end, std::size_t from
 /// As TinyXML sees it: of these alone it reads attributes, and passes over the '>' in them.
 bool is_declaration(std::string_view text) {
   constexpr std::string_view kBegin = "<?xml";
-  const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
-  return text.size() >= kBegin.size() &&
-         std::equal(kBegin.begin(), kBegin.end(), text.begin(), [&](char b, char a) { return same(a, b); });
+  return equals_ignoring_case(text.substr(0, kBegin.size()), kBegin);
 }
 
 struct TagEnd {

@@ -35,4 +35,9 @@ std::optional<std::uint64_t> parse_seed(std::string_view text) noexcept;
 /// What `parse_seed` takes, in words that follow "expected ".
 inline constexpr std::string_view kSeedInWords = "a whole number from 0 to 18446744073709551615";
 
+/// Returns text with the letters A to Z small; all else as it is.
+std::string in_small_letters(std::string_view text);
+/// Tells whether texts are the same but for which of the letters A to Z are capitals.
+bool equals_ignoring_case(std::string_view a, std::string_view b) noexcept;
+
 }  // namespace crossgait

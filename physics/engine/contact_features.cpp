@@ -13,6 +13,7 @@ Vector3 corner_of(const Vector3& half_extents, int corner) {
   return sign.cwiseProduct(half_extents);
 }
 
+/// @param feature  of which shape they are
 void add_features(const CollisionShape& shape, ContactFeature feature,
                   std::vector<ContactFeature>& features) {
   const auto add_at = [&](const Vector3& p_GC) {
@@ -55,11 +56,13 @@ std::vector<ContactFeature> contact_features(const RobotDescription& robot, bool
   return features;
 }
 
-int feature_count(const CollisionShape& shape) {
+std::vector<ContactFeature> features_of(const CollisionShape& shape) {
   std::vector<ContactFeature> features;
   add_features(shape, {}, features);
-  return static_cast<int>(features.size());
+  return features;
 }
+
+int feature_count(const CollisionShape& shape) { return static_cast<int>(features_of(shape).size()); }
 
 SphereCentres sphere_centres(const ContactFeature& feature, const Vector3& centre, const Vector3& axis,
                              const Terrain& terrain, double margin) noexcept {

@@ -33,6 +33,9 @@ struct ContactFeature {
 /// Lists the features of every shape of all bodies that can move, in the order of bodies and shapes.
 std::vector<ContactFeature> contact_features(const RobotDescription& robot, bool fixed_base);
 
+/// Lists the features of one shape, whose body and place are not known.
+std::vector<ContactFeature> features_of(const CollisionShape& shape);
+
 /// Counts a shape's features.
 int feature_count(const CollisionShape& shape);
 

@@ -94,6 +94,9 @@ const ContactSetting kSettings[] = {
         "constraint force mixing of hard contact, as a share of each row's response to itself, 0 to 1"),
 };
 
+constexpr std::string_view kCondims = "3, 4 or 6";
+bool is_condim(double number) { return number == 3 || number == 4 || number == 6; }
+
 // From how many dimensions on a setting makes a difference.
 int least_condim(std::string_view setting) {
   if (setting == "torsional_friction") return 4;
@@ -139,7 +142,7 @@ void ContactSettings::set(std::string_view name, std::vector<double> numbers, st
                       fmt::format("{}", numbers.size()));
   }
   if (setting.name == "condim")  // a whole number, which the setting is made of
-    require(numbers[0] == 3 || numbers[0] == 4 || numbers[0] == 6, source, element, "3, 4 or 6", numbers[0]);
+    require(is_condim(numbers[0]), source, element, kCondims, numbers[0]);
   ContactSpec contact;
   setting.set(contact, numbers);
   require(contact.impratio > 0 && contact.impratio <= kMostImpratio, source, element,
@@ -288,8 +291,7 @@ void validate_contact(const ContactSpec& contact, std::string_view source) {
         "a length in [0, 10] m", contact.torsional_friction);
   check(contact.rolling_friction >= 0 && contact.rolling_friction <= 10, "contact.rolling_friction",
         "a length in [0, 10] m", contact.rolling_friction);
-  check(contact.condim == 3 || contact.condim == 4 || contact.condim == 6, "contact.condim", "3, 4 or 6",
-        contact.condim);
+  check(is_condim(contact.condim), "contact.condim", kCondims, contact.condim);
   // Verdicts try ten times what was asked for.
   check(contact.impratio > 0 && contact.impratio <= 10 * kMostImpratio, "contact.impratio",
         "a ratio in (0, 10000]", contact.impratio);

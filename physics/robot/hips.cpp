@@ -5,6 +5,15 @@
 #include "physics/robot/multibody.h"
 
 namespace crossgait {
+namespace {
+
+Vector3 middle_of(const LegArray<Vector3>& hips) {
+  Vector3 middle = Vector3::Zero();
+  for (const Vector3& hip : hips) middle += hip / kLegCount;
+  return middle;
+}
+
+}  // namespace
 
 LegArray<Vector3> hip_places(const RobotDescription& robot) {
   const std::vector<Pose> poses = home_poses(robot);
@@ -22,17 +31,14 @@ LegArray<Vector3> hip_places(const RobotDescription& robot) {
 }
 
 Vector3 hip_middle(const RobotDescription& robot) {
-  Vector3 middle = Vector3::Zero();
-  if (!robot.legs) return middle;
-  for (const Vector3& hip : hip_places(robot)) middle += hip / kLegCount;
-  return middle;
+  return robot.legs ? middle_of(hip_places(robot)) : Vector3::Zero();
 }
 
 HipFrame hip_frame(const RobotDescription& robot) {
   const LegArray<Vector3> hips = hip_places(robot);
   const Vector3 forward = (hips[Leg::FL] + hips[Leg::FR] - hips[Leg::RL] - hips[Leg::RR]) / 2,
                 left = (hips[Leg::FL] + hips[Leg::RL] - hips[Leg::FR] - hips[Leg::RR]) / 2;
-  return {hip_middle(robot), std::atan2(left.z(), left.head<2>().norm()),
+  return {middle_of(hips), std::atan2(left.z(), left.head<2>().norm()),
           -std::atan2(forward.z(), forward.head<2>().norm()), std::atan2(forward.y(), forward.x())};
 }
 

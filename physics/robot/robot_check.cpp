@@ -88,24 +88,26 @@ void check_bodies(const RobotDescription& robot) {
   }
 }
 
+bool has_body(const RobotDescription& robot, int body) { return body >= 0 && body <= robot.joint_count(); }
+bool has_joint(const RobotDescription& robot, int joint) { return joint >= 0 && joint < robot.joint_count(); }
+
 /// Name of a body, also of one that does not exist.
 std::string body_name(const RobotDescription& robot, int body) {
-  const bool exists = body >= 0 && body <= robot.joint_count();
-  return exists ? fmt::format("link '{}'", robot.bodies[static_cast<std::size_t>(body)].name) : "no link";
+  return has_body(robot, body) ? fmt::format("link '{}'", robot.bodies[static_cast<std::size_t>(body)].name)
+                               : "no link";
 }
 
 std::string joint_name(const RobotDescription& robot, int joint) {
-  const bool exists = joint >= 0 && joint < robot.joint_count();
-  return exists ? fmt::format("joint '{}'", robot.joint(joint).name) : "no joint";
+  return has_joint(robot, joint) ? fmt::format("joint '{}'", robot.joint(joint).name) : "no joint";
 }
 
 void check_loops(const RobotDescription& robot) {
   std::set<std::string> names;
-  const auto is_body = [&](int i) { return i >= 0 && i <= robot.joint_count(); };
   for (const LoopClosure& loop : robot.loops) {
     const Reporter report(source_of(robot), fmt::format("loop '{}'", loop.name));
     report.require(!loop.name.empty() && names.insert(loop.name).second, "a unique name", "a second one");
-    report.require(is_body(loop.body_a) && is_body(loop.body_b) && loop.body_a != loop.body_b, "two bodies",
+    report.require(has_body(robot, loop.body_a) && has_body(robot, loop.body_b) && loop.body_a != loop.body_b,
+                   "two bodies",
                    fmt::format("{} and {}", body_name(robot, loop.body_a), body_name(robot, loop.body_b)));
     report.finite(loop.p_AP, "point on body a (m)");
     report.finite(loop.p_BP, "point on body b (m)");
@@ -113,11 +115,10 @@ void check_loops(const RobotDescription& robot) {
 }
 
 void check_couplings(const RobotDescription& robot) {
-  const auto is_joint = [&](int i) { return i >= 0 && i < robot.joint_count(); };
   std::set<int> followers;
   for (const JointCoupling& coupling : robot.couplings) {
-    const bool has_joints =
-        is_joint(coupling.follower) && is_joint(coupling.leader) && coupling.follower != coupling.leader;
+    const bool has_joints = has_joint(robot, coupling.follower) && has_joint(robot, coupling.leader) &&
+                            coupling.follower != coupling.leader;
     Reporter(source_of(robot), "couplings")
         .require(has_joints, "a follower and another joint that leads it",
                  fmt::format("{} and {}", joint_name(robot, coupling.follower),

@@ -5,13 +5,13 @@
 #include <string>
 #include <string_view>
 
+#include "physics/core/text.h"
+
 namespace crossgait {
 
 /// Returns a path's extension with its dot, in small letters: Windows and some programs write capitals.
 inline std::string lower_extension(std::string_view path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return extension;
+  return in_small_letters(std::filesystem::path(path).extension().string());
 }
 
 }  // namespace crossgait

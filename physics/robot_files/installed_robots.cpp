@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>
 
+#include "physics/core/text.h"
 #include "physics/robot_files/robot_formats.h"
 
 namespace crossgait {
@@ -29,13 +29,6 @@ constexpr std::array kPackages{
     PackageOfRobots{"pybullet_data", "pybullet"}};
 
 constexpr int kDeepest = 8;
-
-std::string in_small_letters(std::string_view text) {
-  std::string out(text);
-  std::ranges::transform(out, out.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return out;
-}
 
 std::string variable(const char* name) {
   const char* value = std::getenv(name);

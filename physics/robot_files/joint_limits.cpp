@@ -17,10 +17,12 @@ constexpr double kManyTurns = 20, kMostDegrees = 360;  // rad; degrees of one tu
 
 }  // namespace
 
-void set_limits(double lower, double upper, std::string_view element, Joint& joint,
+void set_limits(double lower, double upper, bool follows, std::string_view element, Joint& joint,
                 ReaderWarnings& warnings) {
   const Joint unlimited;
-  const bool low = lower<-kLargestLimit, high = upper> kLargestLimit;
+  const bool are_meant = follows && lower < upper && lower >= -kLargestAngle && upper <= kLargestAngle;
+  const double most = are_meant ? kLargestAngle : kLargestLimit;
+  const bool low = lower<-most, high = upper> most;
   joint.lower = low ? unlimited.lower : lower;
   joint.upper = high ? unlimited.upper : upper;
   joint.limited = !(low && high);
@@ -44,15 +46,6 @@ void set_limits(double lower, double upper, std::string_view element, Joint& joi
     warnings.count("took limits that are missing or not lower < upper for +-pi rad in ", " joint(s)",
                    element);
   }
-}
-
-void set_follower_limits(double lower, double upper, std::string_view element, Joint& joint,
-                         ReaderWarnings& warnings) {
-  const bool are_meant = lower < upper && lower >= -kLargestAngle && upper <= kLargestAngle;
-  if (!are_meant) return set_limits(lower, upper, element, joint, warnings);
-  joint.lower = lower;
-  joint.upper = upper;
-  joint.limited = true;
 }
 
 void keep_velocity_limit(double limit, const std::string& joint, std::map<std::string, double>& limits) {

@@ -13,12 +13,10 @@ namespace crossgait {
 /// Limits the joint. Limits beyond +-2 pi rad are placeholders: each becomes +-pi, and is counted. Where both
 /// are, where they are missing, or lower >= upper, commanded targets alone are kept within +-pi. One that is
 /// infinite, as a format has it that need not give both, is +-pi, too.
+/// @param follows  another joint, by gears perhaps: limits of many turns are meant
 /// @param element  of the joint, for the warning
-void set_limits(double lower, double upper, std::string_view element, Joint& joint, ReaderWarnings& warnings);
-
-/// Limits a joint that follows another, by gears perhaps: limits of many turns are meant.
-void set_follower_limits(double lower, double upper, std::string_view element, Joint& joint,
-                         ReaderWarnings& warnings);
+void set_limits(double lower, double upper, bool follows, std::string_view element, Joint& joint,
+                ReaderWarnings& warnings);
 
 /// Keeps the speed that a file lets a joint have, rad/s; of 0 or less, and from 1e9 rad/s on (placeholders),
 /// there is none.

@@ -7,17 +7,15 @@
 
 #include <fmt/format.h>
 
+#include "physics/core/text.h"
 #include "physics/terrain/terrain_parameters.h"
 
 namespace crossgait {
 namespace {
 
-/// `suffix` in lower case.
 bool has_suffix(std::string_view text, std::string_view suffix) {
-  const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
   return text.size() >= suffix.size() &&
-         std::equal(suffix.begin(), suffix.end(), text.end() - static_cast<std::ptrdiff_t>(suffix.size()),
-                    [&](char b, char a) { return same(a, b); });
+         equals_ignoring_case(text.substr(text.size() - suffix.size()), suffix);
 }
 
 bool is_file(std::string_view name) { return has_suffix(name, ".png") || has_suffix(name, ".csv"); }

@@ -1,25 +1,28 @@
 // What engines make of a robot: what collides, how its mass is spread, and where its frames are.
-import {
-  AxesHelper,
-  BoxGeometry,
-  Color,
-  EdgesGeometry,
-  Group,
-  LineBasicMaterial,
-  LineSegments,
-  type BufferGeometry,
-  type Object3D,
-} from "three";
+import { AxesHelper, Color, EdgesGeometry, Group, LineBasicMaterial, LineSegments, type Object3D } from "three";
 import type { Numbers, Scene, Shape } from "./document";
+import { toggle } from "./dom";
+import { geometryOf } from "./geometry";
 
 export const INSIDES = ["collision", "inertia", "frames"] as const;
 export type Inside = (typeof INSIDES)[number];
 /** What each shows, in words. */
-export const INSIDE_WORDS: Record<Inside, string> = {
+const WORDS: Record<Inside, string> = {
   collision: "Shapes that collide with the ground",
   inertia: "In green, boxes of the mass and the moments of every link",
   frames: "Axes of every link's frame: x red, y green, z blue",
 };
+/** Switches for what is seen of them. */
+export function insideToggles(seen: Set<Inside>, changed: () => void): HTMLElement[] {
+  return INSIDES.map((inside) =>
+    toggle(inside, WORDS[inside], false, (on) => {
+      if (on) seen.add(inside);
+      else seen.delete(inside);
+      changed();
+    }),
+  );
+}
+
 const FRAME = 0.2; // standing heights
 const SHARP = 15; // degrees between faces, from which on an edge is drawn
 
@@ -33,7 +36,6 @@ export class Insides {
     private readonly scene: Scene,
     private readonly numbers: Numbers,
     private readonly bodies: Object3D[],
-    private readonly geometryOf: (shape: Shape, scene: Scene, numbers: Numbers) => BufferGeometry,
   ) {}
 
   paint(colour: Color): void {
@@ -65,10 +67,7 @@ export class Insides {
   }
 
   private edgesOf(shape: Shape, material: LineBasicMaterial): LineSegments {
-    const geometry =
-      shape.type === "box"
-        ? new BoxGeometry(2 * shape.size[0], 2 * shape.size[1], 2 * shape.size[2])
-        : this.geometryOf(shape, this.scene, this.numbers);
+    const geometry = geometryOf(shape, this.scene, this.numbers);
     const edges = new LineSegments(new EdgesGeometry(geometry, SHARP), material);
     geometry.dispose();
     edges.position.set(...shape.position);

@@ -2,7 +2,7 @@
 import type { Live, LiveDocument, Motion } from "./document";
 import { Numbers } from "./document";
 import { button, h, toggle } from "./dom";
-import { INSIDES, INSIDE_WORDS, type Inside } from "./insides";
+import { insideToggles, type Inside } from "./insides";
 import { Controls } from "./live_controls";
 import { Driver, Pusher } from "./live_drive";
 import { Link, type LiveFrame, type LiveOptions, type LiveScene } from "./live_link";
@@ -169,7 +169,7 @@ export class LivePage {
     const shows = [
       toggle("forces", "Forces on the feet", true, (on) => this.view && ((this.view.forces = on), this.view.paint())),
       toggle("trails", "Paths of the feet", true, (on) => this.view && ((this.view.trails = on), this.view.paint())),
-      ...INSIDES.map((inside) => toggle(inside, INSIDE_WORDS[inside], false, (on) => this.look(inside, on))),
+      ...insideToggles(this.insides, () => this.view?.paint()),
     ];
     const hint = h("span", { class: "muted" }, "pull at the robot to push it", this.spring);
     return h(
@@ -255,8 +255,7 @@ export class LivePage {
       "aria-label": `${scene.robot} in 3D. Keys w, a, s, d turn the view, plus and minus zoom.`,
     });
     this.holder.replaceChildren(canvas);
-    const view = (this.view = new View(motion, this.runs, new Numbers(numbers), canvas));
-    for (const inside of this.insides) view.look(inside, true);
+    const view = (this.view = new View(motion, this.runs, new Numbers(numbers), canvas, this.insides));
     view.follow = this.follow.querySelector("input")!.checked;
     this.sideBySide.hidden = frame.robots.length < 2;
     view.show(0, true);
@@ -271,11 +270,6 @@ export class LivePage {
       pull: (to) => this.link.send(to ? { do: "pull", to } : { do: "release" }),
       say: (words) => this.say(words),
     });
-  }
-  private look(inside: Inside, on: boolean): void {
-    if (on) this.insides.add(inside);
-    else this.insides.delete(inside);
-    this.view?.look(inside, on);
   }
   private arrange(): void {
     if (!this.view) return;

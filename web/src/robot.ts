@@ -1,9 +1,7 @@
 // A run's robot, its feet's paths and the forces on them, as objects of three.js.
 import {
-  BoxGeometry,
   BufferAttribute,
   BufferGeometry,
-  CapsuleGeometry,
   Color,
   ConeGeometry,
   CylinderGeometry,
@@ -14,11 +12,10 @@ import {
   MeshLambertMaterial,
   Object3D,
   Quaternion,
-  SphereGeometry,
   Vector3,
 } from "three";
-import { ConvexGeometry } from "three/addons/geometries/ConvexGeometry.js";
 import type { Numbers, Run, Scene, Shape } from "./document";
+import { geometryOf } from "./geometry";
 import { INSIDES, Insides, type Inside } from "./insides";
 import { Support } from "./support";
 
@@ -27,36 +24,6 @@ const PLAIN: [number, number, number, number] = [0.62, 0.64, 0.67, 1];
 const TRAIL = 1.2;
 const UP = new Vector3(0, 0, 1);
 const POSE = 7; // numbers
-
-export function geometryOf(shape: Shape, scene: Scene, numbers: Numbers): BufferGeometry {
-  const [a, b, c] = shape.size;
-  switch (shape.type) {
-    case "box":
-      return new BoxGeometry(2 * a, 2 * b, 2 * c);
-    case "sphere":
-      return new SphereGeometry(a, 24, 16);
-    case "cylinder": // three.js has its axis along y
-      return new CylinderGeometry(a, a, 2 * b, 24).rotateX(Math.PI / 2);
-    case "capsule":
-      return new CapsuleGeometry(a, 2 * b, 8, 20).rotateX(Math.PI / 2);
-    case "hull": {
-      const xyz = numbers.floats(shape.vertices!);
-      const points: Vector3[] = [];
-      for (let i = 0; i < xyz.length; i += 3) points.push(new Vector3(xyz[i], xyz[i + 1], xyz[i + 2]));
-      return new ConvexGeometry(points);
-    }
-    case "mesh": {
-      const mesh = scene.meshes[shape.mesh!]!;
-      const geometry = new BufferGeometry();
-      // A copy, since it is scaled: other shapes and other replays show the same mesh.
-      geometry.setAttribute("position", new BufferAttribute(numbers.floats(mesh.vertices).slice(), 3));
-      geometry.setIndex(new BufferAttribute(numbers.indices(mesh.triangles), 1));
-      geometry.scale(...shape.scale!);
-      geometry.computeVertexNormals();
-      return geometry;
-    }
-  }
-}
 
 /** What the runs of one page share. */
 export class RobotParts {
@@ -143,7 +110,7 @@ export class RobotView extends Group {
       this.trails.add(this.trailOf(index));
     });
     this.support = new Support(parts.scene, size);
-    this.insides = new Insides(parts.scene, parts.numbers, this.bodies, geometryOf);
+    this.insides = new Insides(parts.scene, parts.numbers, this.bodies);
     this.add(this.solid, this.arrows, this.trails, this.support);
   }
 
@@ -159,9 +126,10 @@ export class RobotView extends Group {
       material.opacity = seenThrough ? 0.38 : 1;
       material.needsUpdate = true;
     }
-    this.arrowMaterial.color.copy(own ? new Color("#d55e00") : paint);
+    const alone = own ? new Color("#d55e00") : paint;
+    this.arrowMaterial.color.copy(alone);
     this.trailMaterial.color.copy(paint);
-    this.insides.paint(own ? new Color("#d55e00") : paint);
+    this.insides.paint(alone);
     this.support.paint(paint);
     this.solid.traverse((object) => (object.castShadow = !ghost));
   }

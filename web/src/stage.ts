@@ -2,7 +2,7 @@
 import { saveImage } from "./figure_file";
 import { Numbers, Run, type Motion } from "./document";
 import { button, h, toggle } from "./dom";
-import { INSIDES, INSIDE_WORDS } from "./insides";
+import { insideToggles } from "./insides";
 import type { Player } from "./player";
 import { theme } from "./theme";
 import { View } from "./view";
@@ -195,7 +195,7 @@ export class Stage {
           false,
           (on) => ((view.support = on), view.paint()),
         ),
-        ...INSIDES.map((inside) => toggle(inside, INSIDE_WORDS[inside], false, (on) => view.look(inside, on))),
+        ...insideToggles(view.insides, () => view.paint()),
       ),
     ];
   }

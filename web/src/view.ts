@@ -46,7 +46,6 @@ export class View {
   forces = true;
   trails = true;
   support = false;
-  readonly insides = new Set<Inside>();
   readonly shown: boolean[];
   private readonly renderer: WebGLRenderer;
   private readonly groups: Group[] = [];
@@ -76,6 +75,8 @@ export class View {
     private readonly runs: Run[],
     private readonly numbers: Numbers,
     readonly canvas: HTMLCanvasElement,
+    /** What is seen of the robots' insides once painted. */
+    readonly insides = new Set<Inside>(),
   ) {
     this.shown = runs.map(() => true);
     theme.setRuns(runs.map((run) => run.name));
@@ -240,13 +241,6 @@ export class View {
       robot.support.visible = this.support;
     });
     this.draw();
-  }
-
-  /** Shows one more of the robots' insides, or one less. */
-  look(inside: Inside, on: boolean): void {
-    if (on) this.insides.add(inside);
-    else this.insides.delete(inside);
-    this.paint();
   }
 
   /** The first run that is shown and does the same as this one. */

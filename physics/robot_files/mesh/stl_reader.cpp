@@ -1,6 +1,5 @@
 #include "physics/robot_files/mesh/stl_reader.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <numeric>
@@ -19,21 +18,15 @@ namespace {
 // floats and two bytes more. Little endian (as every machine that Crossgait builds on).
 constexpr std::size_t kStlHeader = 84, kStlTriangle = 50, kStlNormal = 12;
 
-/// Tells whether a word is a keyword, also in capitals.
-bool is_keyword(std::string_view word, std::string_view keyword) {
-  return std::ranges::equal(word, keyword,
-                            [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
-}
-
 /// "solid NAME facet normal x y z outer loop vertex x y z ...": a name ends with its line, or with "facet".
 void read_text_stl(std::string_view text, MeshCorners& corners) {
   bool in_name = false;
   for (std::size_t number = 1; !text.empty(); ++number) {
     std::string_view line = take_line(text);
     for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
-      if (is_keyword(word, "solid") || is_keyword(word, "endsolid")) in_name = true;
-      if (is_keyword(word, "facet")) in_name = false;
-      if (!in_name && is_keyword(word, "vertex")) corners.read(line, number);
+      if (equals_ignoring_case(word, "solid") || equals_ignoring_case(word, "endsolid")) in_name = true;
+      if (equals_ignoring_case(word, "facet")) in_name = false;
+      if (!in_name && equals_ignoring_case(word, "vertex")) corners.read(line, number);
     }
     in_name = false;
   }
@@ -63,7 +56,7 @@ TriangleMesh read_stl(const std::string& path) {
   std::string_view first_word = bytes;
   if (is_binary) {
     read_binary_stl(bytes, triangles, corners);
-  } else if (is_keyword(take_word(first_word), "solid")) {
+  } else if (equals_ignoring_case(take_word(first_word), "solid")) {
     read_text_stl(bytes, corners);
   } else {
     corners.fail(0, "a whole STL mesh", size_in_words(bytes.size()));

@@ -229,8 +229,11 @@ MjcfModel compile_parts(MjcfDocument& document, const MjcfDefaults& defaults, Mj
   if (weigh.empty()) return model;
   const std::vector<MjcfFile> files = give_meshes(weigh, parts);
   MjcfModel weighed = compilation.run(files);
-  if (const auto exact = compile_exactly(document, files, parts))
-    take_exact_masses(*exact, rules, parts, document.path(), weighed, warnings);
+  // Where nothing moves, as in a scene of ground alone, masses are nobody's concern.
+  if (!model.joints.empty()) {
+    if (const auto exact = compile_exactly(document, files, parts))
+      take_exact_masses(*exact, rules, parts, document.path(), weighed, warnings);
+  }
   for (std::size_t i = 0; i < model.bodies.size(); ++i) model.bodies[i].inertia = weighed.bodies[i].inertia;
   for (std::size_t i = 0; i < model.geoms.size(); ++i) {
     // A mesh's own frame is lost once its vertices are moved to its principal axes.

@@ -246,8 +246,8 @@ class MjcfTree {
       if (margin != 0)
         warnings_.count(fmt::format("took limits closer by their margin of {:g} rad in ", margin),
                         " joint(s)", place);
-      const auto set = followers_.contains(joint.name) ? set_follower_limits : set_limits;
-      set(source.lower + margin, source.upper - margin, place, joint, warnings_);
+      set_limits(source.lower + margin, source.upper - margin, followers_.contains(joint.name), place, joint,
+                 warnings_);
       joint.limit_softness = softness_of(source.limit_solref, source.limit_solimp);
     }
     joint.damping = source.damping;

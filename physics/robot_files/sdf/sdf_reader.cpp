@@ -201,9 +201,8 @@ class SdfTreeBuilder {
     const double infinity = std::numeric_limits<double>::infinity();
     const double lower = sdf_bound(limit, "lower", -infinity), upper = sdf_bound(limit, "upper", infinity);
     const bool is_bounded = std::isfinite(lower) || std::isfinite(upper);
-    const auto set = follows ? set_follower_limits : set_limits;
     if (source.type == "revolute" && is_bounded)
-      set(lower, upper, sdf_place(*source.element, path_), joint, warnings_);
+      set_limits(lower, upper, follows, sdf_place(*source.element, path_), joint, warnings_);
     const double effort = sdf_bound(limit, "effort", -1);
     joint.effort_limit = std::isfinite(effort) ? std::max(0.0, effort) : 0;
     keep_velocity_limit(sdf_bound(limit, "velocity", -1), joint.name, robot_.velocity_limits);

@@ -144,10 +144,9 @@ class TreeBuilder {
                         fmt::format("({}, {}, {})", axis.x(), axis.y(), axis.z()));
     }
     joint.axis = axis.normalized();
-    if (source.type == urdf::Joint::REVOLUTE) {
-      const auto set = followers_.contains(joint.name) ? set_follower_limits : set_limits;
-      set(source.limits->lower, source.limits->upper, element, joint, warnings_);
-    }
+    if (source.type == urdf::Joint::REVOLUTE)
+      set_limits(source.limits->lower, source.limits->upper, followers_.contains(joint.name), element, joint,
+                 warnings_);
     if (source.limits) {
       joint.effort_limit = std::max(0.0, source.limits->effort);
       keep_velocity_limit(source.limits->velocity, joint.name, robot_.velocity_limits);

@@ -18,7 +18,7 @@ struct Limited {
 Limited limited(double lower, double upper, bool follows = false) {
   Limited result;
   ReaderWarnings warnings;
-  (follows ? set_follower_limits : set_limits)(lower, upper, "joint 'a'", result.joint, warnings);
+  set_limits(lower, upper, follows, "joint 'a'", result.joint, warnings);
   result.warnings = warnings.sentences();
   return result;
 }
