@@ -1,9 +1,11 @@
 #include "physics/core/child_process.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <thread>
 
@@ -28,11 +30,13 @@ File nameless_file() {
   return file;
 }
 
-std::string read_all(FILE* file) {
+/// @param most  bytes, where they are limited: a quick writer is past its limit before the limit holds
+std::string read_from_start(FILE* file, std::size_t most) {
   std::rewind(file);
   std::string text;
   std::array<char, 65536> buffer{};
-  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), file)) {
+  while (const std::size_t count =
+             std::fread(buffer.data(), 1, std::min(buffer.size(), most - text.size()), file)) {
     text.append(buffer.data(), count);
   }
   return text;
@@ -88,8 +92,9 @@ std::optional<ChildResult> run_child(const std::vector<std::string>& command, Ch
   if (code != 0) throw_system_error(code, words.front());
   if (limits) limit(child, *limits);
   const auto [status, ended_here] = wait_for(child, words.front().c_str(), limits);
-  ChildResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_all(out.get()),
-                     read_all(complaints.get())};
+  const std::size_t most = limits ? limits->bytes : std::numeric_limits<std::size_t>::max();
+  ChildResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_from_start(out.get(), most),
+                     read_from_start(complaints.get(), most)};
   const bool limited = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGXFSZ);
   // A program that ignores the signal finds its writes fail instead.
   result.over_limit = limits && (ended_here || limited || result.out.size() >= limits->bytes);

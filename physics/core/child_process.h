@@ -20,7 +20,7 @@ enum class ChildErrors { kKept, kShown };  ///< shown: on this program's own sta
 /// Bounds what a child may take before it is ended.
 struct ChildLimits {
   std::chrono::seconds time;  ///< of the clock, and of the processor
-  std::size_t bytes;          ///< of any file that it writes, its output among them
+  std::size_t bytes;          ///< of any file that it writes, its output among them, of which no more is read
 };
 
 /// Runs a program to its end; it reads nothing. @param command  the program, looked for as a shell does, and
