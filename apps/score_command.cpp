@@ -16,6 +16,7 @@ void add_score_command(CLI::App& program, Invocation& invocation) {
       "(docs/diagnosis.md).\n\nExamples:\n"
       "  crossgait score serial_joints --engines mujoco,bullet\n"
       "  crossgait score runs/3/policy.safetensors --env runs/3/environment.yaml --json -\n"
+      "  crossgait score logs/model_1500.pt --env walk/environment.yaml --engines mujoco\n"
       "  echo '{\"policy\": \"serial_joints\"}' | crossgait score --serve --engines mujoco");
   auto options = std::make_shared<ScoredPoliciesOptions>();
   CLI::Option* policies = options->add_to(*command, invocation);

@@ -61,10 +61,11 @@ class InputLines {
 ScoredPoliciesOptions asked_for(const std::string& line, ScoredPoliciesOptions options,
                                 nlohmann::ordered_json& policy) {
   const YamlValue asked = YamlValue::parse(line, "standard input");
-  asked.allow_keys({"policy", "env", "trained_in"});
+  asked.allow_keys({"policy", "env", "agent", "trained_in"});
   options.policies = {asked.at("policy").text()};
   policy = options.policies.front();
   if (const auto env = asked.find("env")) options.env = env->text();
+  if (const auto agent = asked.find("agent")) options.agent = agent->text();
   if (const auto home = asked.find("trained_in")) options.trained_in = {home->text()};
   return options;
 }

@@ -5,9 +5,10 @@
 
 namespace crossgait::apps {
 
-/// Reads lines of JSON from standard input, {"policy": FILE, "env": FILE, "trained_in": ENGINE}, the last two
-/// as the options of these names and theirs by default, and answers each with a line: {"policy", "cells"} as
-/// `score --json` has them, or {"policy", "error"}, after which it goes on. Ends with its input.
+/// Reads lines of JSON from standard input, {"policy": FILE, "env": FILE, "agent": FILE, "trained_in":
+/// ENGINE}, all but the first as the options of these names and theirs by default, and answers each with a
+/// line: {"policy", "cells"} as `score --json` has them, or {"policy", "error"}, after which it goes on. Ends
+/// with its input.
 /// @throws Interrupted by a signal
 void serve_scores(const ScoredPoliciesOptions& options);
 

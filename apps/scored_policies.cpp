@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/checkpoint.h"
 #include "apps/env_options.h"
 #include "backends/registry.h"
 #include "policy/bundled_policies.h"
@@ -75,21 +76,30 @@ ScoredPolicy read(const ScoredPoliciesOptions& options, const Homes& homes, cons
   if (config.action != ActionKind::kJoints)
     throw ConfigError(config.source, "action", "joints: what a score asks for is commanded to them", "gait");
   return {name_of(policy, options.policies), trained_in(options, homes, policy, config),
-          load_with_warnings(config), read_relabelled_policy(policy)};
+          load_with_warnings(config),
+          is_checkpoint(policy) ? read_checkpoint(policy, config.source, options.agent)
+                                : read_relabelled_policy(policy)};
 }
 
 }  // namespace
 
 CLI::Option* ScoredPoliciesOptions::add_to(CLI::App& command, Invocation& invocation) {
   how.workers = EpisodeOptions::default_workers();
-  CLI::Option* which =
-      command
-          .add_option("policies", policies,
-                      "Folders, names of policies that come with Crossgait, or files with --env")
-          ->type_name("CHECKPOINT");
+  CLI::Option* which = command
+                           .add_option("policies", policies,
+                                       "Folders, names of policies that come with Crossgait, or with --env "
+                                       "files: bundles, descriptions, "
+                                       "and what trainings write (checkpoints of rsl_rl, TorchScript, ONNX)")
+                           ->type_name("CHECKPOINT");
   command.add_option("--engines", engines, "Comma-separated; all that are built in by default")
       ->delimiter(',');
   command.add_option("--env", env, "Their environment; each folder's own by default")->type_name("FILE.yaml");
+  command
+      .add_option(
+          "--agent", agent,
+          "The agent.yaml of checkpoints of rsl_rl; by default the one beside each, or in `params` there")
+      ->type_name("FILE.yaml");
+  add_trust_option(command);
   command
       .add_option("--trained-in", trained_in,
                   "The engine that they were trained in, which results repeat: of all, or POLICY=ENGINE, "

@@ -12,7 +12,7 @@ namespace crossgait::apps {
 
 struct ScoredPoliciesOptions {
   std::vector<std::string> policies, engines, trained_in;
-  std::string env;
+  std::string env, agent;
   PolicyScoreOptions how;
   JsonOption json;
 

@@ -1,12 +1,11 @@
 // crossgait video: a walk as a film, drawn by the Python package.
-#include <cstdlib>
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "apps/interruption.h"
 #include "apps/python_module.h"
+#include "apps/temporary_folder.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "motion/trace.h"
@@ -27,28 +26,6 @@ struct VideoCommand {
   bool shared_camera = false;
 };
 
-/// A folder for traces, gone at the end.
-class TraceFolder {
- public:
-  TraceFolder() {
-    std::string path = (std::filesystem::temp_directory_path() / "crossgait-video-XXXXXX").string();
-    if (mkdtemp(path.data()) == nullptr)
-      throw ConfigError("video", path, "a folder for traces", "none that can be made");
-    path_ = path;
-  }
-  ~TraceFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TraceFolder(const TraceFolder&) = delete;
-  TraceFolder& operator=(const TraceFolder&) = delete;
-
-  std::string file(const std::string& engine) const { return (path_ / (engine + ".csv")).string(); }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// Says how a walk ended, and when that was known, as the painter takes it: "fell@1.67"; at its end what is
 /// known there alone.
 std::string outcome_of(const WalkRun& run) {
@@ -58,13 +35,13 @@ std::string outcome_of(const WalkRun& run) {
 }
 
 /// Walks in every engine. @returns the painter's arguments: outcomes, and traces behind "--"
-std::vector<std::string> walk_and_trace(const VideoCommand& options, const TraceFolder& folder) {
+std::vector<std::string> walk_and_trace(const VideoCommand& options, const TemporaryFolder& folder) {
   const LoadedWalk loaded = options.walk.make();
   std::vector<std::string> files{"--"}, outcomes;
   const std::vector<std::string> engines =
       options.engines.empty() ? std::vector{available_engines().front()} : options.engines;
   for (const std::string& engine : engines) {
-    files.push_back(folder.file(engine));
+    files.push_back(folder.file(engine + ".csv"));
     TraceWriter trace(loaded.world.robot, files.back());
     ProgressLine progress(fmt::format("{} in {}", loaded.config.gait.name(), engine));
     const auto world = find_engine(engine).make(loaded.world);
@@ -81,7 +58,7 @@ std::vector<std::string> walk_and_trace(const VideoCommand& options, const Trace
 void run(const VideoCommand& options) {
   constexpr const char* kModule = "crossgait.traces.video";
   require_python_module("video", kModule, "video");
-  const TraceFolder folder;
+  const TemporaryFolder folder("video");
   std::vector<std::string> what = options.traces;
   if (what.empty()) {
     what = walk_and_trace(options, folder);

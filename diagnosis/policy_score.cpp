@@ -92,19 +92,11 @@ std::vector<PolicyCell> score_policies(std::span<const ScoredPolicy> policies,
   return cells;
 }
 
-std::string describe(std::span<const PolicyCell> cells) {
-  std::vector<std::string> policies;
-  Table table({"policy", "trained in", "engine", "score", "95 %", "falls", "speed error", "yaw-rate error",
-               "jitter", "effort", "says"});
+std::string summary_of(std::span<const PolicyCell> cells) {
+  std::vector<std::string> policies, sentences;
   for (const PolicyCell& c : cells) {
     if (std::find(policies.begin(), policies.end(), c.policy) == policies.end()) policies.push_back(c.policy);
-    table.add_row({c.policy, c.trained_in.empty() ? "-" : c.trained_in, c.engine,
-                   fmt::format("{:.3f}", c.value), fmt::format("{:.3f} to {:.3f}", c.low, c.high),
-                   fmt::format("{} of {}", c.falls, c.walks), fmt::format("{:.3f}", c.speed_error),
-                   fmt::format("{:.3f}", c.yaw_rate_error), fmt::format("{:.0f}", c.jitter),
-                   fmt::format("{:.2f}", c.effort), c.done ? "does what it is asked" : c.complaint});
   }
-  std::string text;
   for (const std::string& policy : policies) {
     std::vector<std::string> done;
     std::size_t all = 0;
@@ -113,16 +105,32 @@ std::string describe(std::span<const PolicyCell> cells) {
       ++all;
       if (c.done) done.push_back(c.engine);
     }
-    text += fmt::format("{} does what it is asked in {} of {}{}{}.\n", policy, done.size(),
-                        counted(all, "engine"), done.empty() ? "" : ": ", fmt::join(done, ", "));
+    sentences.push_back(fmt::format("{} does what it is asked in {} of {}{}{}.", policy, done.size(),
+                                    counted(all, "engine"), done.empty() ? "" : ": ", fmt::join(done, ", ")));
   }
-  return text + "\n" + table.str() +
+  return fmt::format("{}", fmt::join(sentences, "\n"));
+}
+
+std::string describe(std::span<const PolicyCell> cells) {
+  Table table({"policy", "trained in", "engine", "score", "95 %", "falls", "speed error", "yaw-rate error",
+               "jitter", "effort", "says"});
+  for (const PolicyCell& c : cells) {
+    table.add_row({c.policy, c.trained_in.empty() ? "-" : c.trained_in, c.engine,
+                   fmt::format("{:.3f}", c.value), fmt::format("{:.3f} to {:.3f}", c.low, c.high),
+                   fmt::format("{} of {}", c.falls, c.walks), fmt::format("{:.3f}", c.speed_error),
+                   fmt::format("{:.3f}", c.yaw_rate_error), fmt::format("{:.0f}", c.jitter),
+                   fmt::format("{:.2f}", c.effort), c.done ? "does what it is asked" : c.complaint});
+  }
+  return summary_of(cells) + "\n\n" + table.str() +
          "\nScores: 0 is best, 3 and more a fall (docs/diagnosis.md); errors in m/s "
          "and rad/s, jitter in rad/s^2.\n";
 }
 
 nlohmann::ordered_json to_json(std::span<const PolicyCell> cells, const PolicyScoreOptions& options) {
-  Json out{{"starts", options.starts}, {"seconds", options.seconds}, {"cells", Json::array()}};
+  Json out{{"summary", summary_of(cells)},
+           {"starts", options.starts},
+           {"seconds", options.seconds},
+           {"cells", Json::array()}};
   for (const PolicyCell& c : cells)
     out["cells"].push_back({{"policy", c.policy},
                             {"trained_in", c.trained_in.empty() ? Json() : Json(c.trained_in)},

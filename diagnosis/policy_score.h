@@ -51,6 +51,8 @@ std::vector<PolicyCell> score_policies(std::span<const ScoredPolicy> policies,
                                        std::span<const std::string> engines,
                                        const PolicyScoreOptions& options, const Progress& progress = {});
 
+/// Returns a sentence for each policy, a line each: in how many engines it does what it is asked.
+std::string summary_of(std::span<const PolicyCell> cells);
 /// Describes cells as a table, below a sentence for each policy.
 std::string describe(std::span<const PolicyCell> cells);
 /// Returns what `crossgait score --json` writes.

@@ -1,10 +1,14 @@
-// A diagnosis as a function: what it returns is what `--json` writes, without the provenance of a command
-// line.
+// Diagnoses and scores as functions: what they return is what `--json` writes, without the provenance of a
+// command line.
 #include "diagnosis/diagnosis.h"
 
+#include "diagnosis/import_table.h"
 #include "diagnosis/joint_orders.h"
+#include "diagnosis/policy_score.h"
+#include "diagnosis/transfer_matrix.h"
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "python/bindings/bindings.h"
@@ -26,6 +30,24 @@ Pair diagnose_policy(const EnvConfig& config, const std::string& policy, const D
       },
       progress);
   return nb::make_tuple(to_python(report), *environment);
+}
+
+// Name, home, environment and file of a policy.
+using Scored = std::tuple<std::string, std::string, EnvConfig, std::string>;
+
+Pair score(const std::vector<Scored>& policies, const std::vector<std::string>& engines,
+           const PolicyScoreOptions& options, bool as_matrix, const nb::object& progress) {
+  return to_python(run_job(
+      [=](const StageProgress& told) -> Report {
+        std::vector<ScoredPolicy> read;
+        for (const auto& [name, home, environment, file] : policies)
+          read.push_back({name, home, environment, read_relabelled_policy(file)});
+        const auto cells = score_policies(read, engines, options, progress_of(told, "scoring"));
+        if (!as_matrix) return {to_json(cells, options), describe(cells)};
+        const TransferMatrix matrix = transfer_matrix(cells);
+        return {to_json(matrix, cells, options), describe(matrix, cells)};
+      },
+      progress));
 }
 
 // The servos in the order of every convention, by its name.
@@ -54,6 +76,16 @@ void bind_diagnosis(nb::module_& m) {
       },
       nb::arg("environment"), nb::arg("policy"), nb::arg("unstated"), nb::arg("home_engine").none(),
       nb::arg("search"), nb::arg("workers"), nb::arg("seed"), nb::arg("minutes"), kProgress);
+  m.def("_is_imported", &is_imported, nb::arg("policy"));
+  m.def(
+      "_score",
+      [](const std::vector<Scored>& policies, const std::vector<std::string>& engines, std::size_t starts,
+         double seconds, std::uint64_t seed, std::size_t workers, bool as_matrix,
+         const nb::object& progress) {
+        return score(policies, engines, {starts, seconds, seed, workers}, as_matrix, progress);
+      },
+      nb::arg("policies"), nb::arg("engines"), nb::arg("starts"), nb::arg("seconds"), nb::arg("seed"),
+      nb::arg("workers"), nb::arg("as_matrix"), kProgress);
 }
 
 }  // namespace crossgait::python

@@ -14,12 +14,15 @@ from crossgait.studies.results import (
     Conformance,
     CourseResult,
     Diagnosis,
+    Matrix,
     Rollout,
+    Scores,
     Transfer,
     Tuning,
     Verdict,
     WalkResult,
 )
+from crossgait.studies.scoring import matrix, score
 from crossgait.studies.walks import compare, walk
 
 __all__ = [
@@ -28,8 +31,10 @@ __all__ = [
     "Conformance",
     "CourseResult",
     "Diagnosis",
+    "Matrix",
     "Result",
     "Rollout",
+    "Scores",
     "Subject",
     "Transfer",
     "Tuning",
@@ -40,7 +45,9 @@ __all__ = [
     "conformance",
     "course",
     "diagnose",
+    "matrix",
     "rollout",
+    "score",
     "transfer",
     "tune",
     "verdict",

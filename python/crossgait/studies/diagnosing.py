@@ -58,7 +58,7 @@ def diagnose(
     config = environment_for(environment, policy, source="diagnose")
     home = None if home_engine is None else as_engine(home_engine, "diagnose")
     fields = as_names(unstated or (), "diagnose", "unstated")
-    with ProgressShown(progress) as told, _file_of(policy) as file:
+    with ProgressShown(progress) as told, file_of(policy, "diagnose") as file:
         (document, text), found = _core._diagnose(
             config, file, fields, home, search, worker_count(workers), seed, minutes, told
         )
@@ -66,9 +66,9 @@ def diagnose(
 
 
 @contextmanager
-def _file_of(policy: PolicyLike) -> Iterator[str]:
+def file_of(policy: PolicyLike, study: str) -> Iterator[str]:
     """What names the policy: its layout is relabelled, which takes a file; a network in memory becomes one."""
-    chosen = as_policy(policy, "diagnose")
+    chosen = as_policy(policy, study)
     if isinstance(chosen, str):
         yield chosen
     elif isinstance(policy, PolicyObject):
@@ -77,4 +77,4 @@ def _file_of(policy: PolicyLike) -> Iterator[str]:
             policy.save(file)
             yield str(file)
     else:
-        raise ConfigError("diagnose", "policy", "a name, a file or a Policy", type(policy).__name__)
+        raise ConfigError(study, "policy", "a name, a file or a Policy", type(policy).__name__)

@@ -206,6 +206,25 @@ def plot_diagnosis(document: Json) -> Figure:
     return figure
 
 
+def plot_scores(cells: Sequence[Json]) -> Figure:
+    """Score of every policy by engine, with its interval; 0 is best."""
+    policies = list(dict.fromkeys(cell["policy"] for cell in cells))
+    engines = list(dict.fromkeys(cell["engine"] for cell in cells))
+    figure, (ax,) = _new(1, 1.5 + 0.3 * len(policies) * len(engines))
+    for shift, (engine, (colour, _)) in enumerate(engine_styles(engines).items()):
+        own = [cell for cell in cells if cell["engine"] == engine]
+        places = [policies.index(cell["policy"]) + 0.8 * (shift / len(engines) - 0.5) for cell in own]
+        values = [cell["value"] for cell in own]
+        ends = [[c["value"] - c["low"] for c in own], [c["high"] - c["value"] for c in own]]
+        ax.errorbar(values, places, xerr=ends, fmt="o", color=colour, label=engine)
+    ax.set_yticks(range(len(policies)), policies)
+    ax.invert_yaxis()
+    ax.set_xlabel("score: 0 is best, 3 and more a fall (bars: 95 %)")
+    _from_zero(ax)
+    ax.legend()
+    return figure
+
+
 def plot_tuning(document: Json) -> Figure:
     """Best score over generations."""
     figure, (ax,) = _new(1, 3.5)

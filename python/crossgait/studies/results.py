@@ -315,6 +315,39 @@ class Diagnosis(Answer):
         return self.ranking
 
 
+class Scores(Answer):
+    """How well policies do what they are asked, each in each engine."""
+
+    _index = ("policy", "engine")
+
+    def plot(self) -> Figure:
+        """Draw the score of every policy by engine, with its interval."""
+        from crossgait.studies import plots
+
+        return plots.plot_scores(self.document["cells"])
+
+    def _rows(self) -> list[Json]:
+        cells: list[Json] = self.document["cells"]
+        return cells
+
+
+class Matrix(Answer):
+    """Where policies were trained against where they run. `document["cells"]` has every policy, as `Scores` do."""
+
+    _index = ("trained_in", "engine")
+
+    def plot(self) -> Figure:
+        """Draw the score of every home's policies by engine, with its interval."""
+        from crossgait.studies import plots
+
+        named = [{"policy": f"trained in {row['trained_in'] or '?'}", **row} for row in self._rows()]
+        return plots.plot_scores(named)
+
+    def _rows(self) -> list[Json]:
+        homes: list[Json] = self.document["homes"]
+        return homes
+
+
 @dataclass(frozen=True, repr=False)
 class Bench(Result):
     """Speed and accuracy of the engines on the same motions."""
