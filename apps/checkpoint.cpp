@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/python_module.h"
-#include "apps/temporary_folder.h"
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
+#include "physics/core/temporary_folder.h"
 #include "physics/core/text.h"
 
 namespace crossgait::apps {

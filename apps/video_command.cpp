@@ -5,11 +5,11 @@
 
 #include "apps/interruption.h"
 #include "apps/python_module.h"
-#include "apps/temporary_folder.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "motion/trace.h"
 #include "physics/core/error.h"
+#include "physics/core/temporary_folder.h"
 #include "physics/robot_files/data_path.h"
 #include "study/walk.h"
 

@@ -1,4 +1,5 @@
 // crossgait view: the robot live in a browser.
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -12,6 +13,8 @@
 #include "env/env_config.h"
 #include "physics/core/error.h"
 #include "physics/core/progress.h"
+#include "physics/robot_files/data_path.h"
+#include "physics/robot_files/installed_robots.h"
 #include "policy/bundled_policies.h"
 #include "report/page.h"
 #include "study/loaded_walk.h"
@@ -22,7 +25,6 @@ namespace crossgait::apps {
 namespace {
 
 struct ViewOptions {
-  EnvConfig config;  // what the options below say, over what --config says
   std::string file, policy, robot, terrain, gait;
   std::optional<std::uint64_t> seed;
   ContactOptions contact;
@@ -31,15 +33,35 @@ struct ViewOptions {
   bool open = false;
 };
 
-EnvConfig config_of(const ViewOptions& options) {
-  const std::string file = environment_file(options.file, options.policy);
+EnvConfig config_of(const ViewOptions& options, const ViewSubject& subject) {
+  const std::string file = environment_file(subject.environment, subject.policy);
   EnvConfig config = file.empty() ? EnvConfig() : load_env_config(file);
-  if (!options.robot.empty()) config.robot = options.robot;
-  if (!options.terrain.empty()) config.terrain = options.terrain;
+  if (!subject.robot.empty()) config.robot = subject.robot;
   if (!options.gait.empty()) config.gait = options.gait;
-  config.terrain_seed = options.seed.value_or(config.terrain_seed);
   config.contact.add(options.contact.make());
   return config;
+}
+
+/// @param config  of the subject, on its ground
+ViewSetup setup_of(const EnvConfig& config, const ViewSubject& subject) {
+  const auto robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
+  ViewSetup setup;
+  setup.subject = subject;
+  setup.subject.robot = config.robot;
+  setup.gait = config.gait;
+  setup.terrain_seed = config.terrain_seed;
+  if (subject.policy.empty()) {
+    WalkConfig walk;
+    walk.robot = config.robot;
+    walk.terrain = config.terrain;
+    walk.terrain_seed = config.terrain_seed;
+    walk.contact = config.contact;
+    setup.world = LoadedWalk(walk, robot).world;
+  } else {
+    setup.control_dt = config.control_dt;
+    setup.policy = {LoadedEnv(config, robot), subject.policy};
+  }
+  return setup;
 }
 
 std::vector<std::string> engines_of(const ViewOptions& options, const EnvConfig& config,
@@ -51,27 +73,32 @@ std::vector<std::string> engines_of(const ViewOptions& options, const EnvConfig&
   return {available.front()};
 }
 
+/// Robots by name, those of installed packages among them.
+std::vector<std::string> known_robots() {
+  std::vector<std::string> names = robot_names();
+  for (const InstalledRobot& robot : installed_robots()) names.push_back(robot.name);
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
 std::unique_ptr<ViewSession> make_session(const ViewOptions& options) {
-  const EnvConfig config = config_of(options);
-  const auto robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
+  const ViewSubject first{options.robot, options.policy, options.file, {}};
+  EnvConfig config = config_of(options, first);
+  if (!options.terrain.empty()) config.terrain = options.terrain;
+  config.terrain_seed = options.seed.value_or(config.terrain_seed);
   const EngineProvider provider{available_engines(),
                                 [](const std::string& name) { return find_engine(name); }};
-  ViewSetup setup;
-  setup.gait = config.gait;
-  setup.terrain_seed = config.terrain_seed;
+  ViewSetup setup = setup_of(config, first);
   setup.engines = engines_of(options, config, provider.names);
-  if (options.policy.empty()) {
-    WalkConfig walk;
-    walk.robot = config.robot;
-    walk.terrain = config.terrain;
-    walk.terrain_seed = config.terrain_seed;
-    walk.contact = config.contact;
-    setup.world = LoadedWalk(walk, robot).world;
-  } else {
-    setup.control_dt = config.control_dt;
-    setup.policy = {LoadedEnv(config, robot), options.policy};
-  }
-  return std::make_unique<ViewSession>(setup, provider);
+  const auto make = [options](const ViewSubject& subject, const TerrainChoice& ground) {
+    EnvConfig chosen = config_of(options, subject);
+    chosen.terrain = ground.terrain;
+    chosen.terrain_seed = ground.seed;
+    return setup_of(chosen, subject);
+  };
+  return std::make_unique<ViewSession>(setup, provider,
+                                       SubjectProvider{known_robots(), policy_names(), make});
 }
 
 void run(const ViewOptions& options) {

@@ -96,6 +96,8 @@ const std::map<std::string, Reader>& readers() {
          return TerrainCommand{k.text("terrain"), k.whole("seed")};
        }},
       {"engines", [](Keys& k) -> ViewCommand { return EnginesCommand{k.texts("engines")}; }},
+      {"robot", [](Keys& k) -> ViewCommand { return RobotCommand{k.text("robot")}; }},
+      {"policy", [](Keys& k) -> ViewCommand { return PolicyCommand{k.text("policy")}; }},
       {"pause", [](Keys& k) -> ViewCommand { return PauseCommand{k.flag("on")}; }},
       {"step", [](Keys& k) -> ViewCommand { return StepCommand{k.whole("steps")}; }},
       {"pace", [](Keys& k) -> ViewCommand { return PaceCommand{k.number("pace")}; }},

@@ -9,6 +9,7 @@
 
 #include "gait/velocity_command.h"
 #include "physics/core/math.h"
+#include "view/subject.h"
 
 namespace crossgait {
 
@@ -41,6 +42,19 @@ struct TerrainCommand {
 /// Holds {"do": "engines", "engines": [NAME, ...]}: one, or several side by side.
 struct EnginesCommand {
   std::vector<std::string> engines;
+};
+/// Holds {"do": "robot", "robot": NAME}: another one, which a hand drives.
+struct RobotCommand {
+  std::string robot;
+};
+/// Holds {"do": "policy", "policy": NAME}: in the environment and with the robot that it was made for; ""
+/// leaves the robot to the hand.
+struct PolicyCommand {
+  std::string policy;
+};
+/// Holds what was dropped on a page: no command in JSON (ViewServer's `/drop`).
+struct SubjectCommand {
+  ViewSubject subject;
 };
 /// Holds {"do": "pause", "on": BOOL}.
 struct PauseCommand {
@@ -79,10 +93,10 @@ struct RecordCommand {
   bool on = false;
 };
 
-using ViewCommand =
-    std::variant<DriveCommand, GaitCommand, ParameterCommand, CurveCommand, PushCommand, TerrainCommand,
-                 EnginesCommand, PauseCommand, StandCommand, RecordCommand, StepCommand, PaceCommand,
-                 BackCommand, ChangeCommand, PullCommand, ReleaseCommand, KeepCommand>;
+using ViewCommand = std::variant<DriveCommand, GaitCommand, ParameterCommand, CurveCommand, PushCommand,
+                                 TerrainCommand, EnginesCommand, PauseCommand, StandCommand, RecordCommand,
+                                 StepCommand, PaceCommand, BackCommand, ChangeCommand, PullCommand,
+                                 ReleaseCommand, KeepCommand, RobotCommand, PolicyCommand, SubjectCommand>;
 
 /// Longest text of a command, bytes.
 inline constexpr std::size_t kMaxCommandBytes = 4096;

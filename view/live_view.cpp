@@ -29,8 +29,7 @@ std::shared_ptr<const std::string> text_of(const nlohmann::ordered_json& json) {
 
 }  // namespace
 
-LiveView::LiveView(std::unique_ptr<ViewSession> session)
-    : session_(std::move(session)), options_(text_of(session_->options())) {
+LiveView::LiveView(std::unique_ptr<ViewSession> session) : session_(std::move(session)) {
   publish(0);
   thread_ = std::thread([this] { run(); });
 }
@@ -54,13 +53,14 @@ void LiveView::run() {
 }
 
 void LiveView::simulate() {
-  const int steps = std::max(1, static_cast<int>(std::lround(kLiveFrameTime / session_->control_dt())));
-  const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(steps * session_->control_dt()));
   Clock::time_point due = Clock::now(), before = due;
   double left = 0;  // control steps that the pace has not made whole yet
   double rate = 1;  // simulated over passed time, smoothed over half a second
   for (;;) {
-    due += period;
+    // Another subject may have another one.
+    const double control_dt = session_->control_dt();
+    const int steps = std::max(1, static_cast<int>(std::lround(kLiveFrameTime / control_dt)));
+    due += std::chrono::duration_cast<Clock::duration>(Seconds(steps * control_dt));
     {
       std::unique_lock lock(mutex_);
       news_.wait_until(lock, due, [this] { return ending_; });
@@ -100,14 +100,17 @@ void LiveView::obey() {
 void LiveView::publish(double rate) {
   nlohmann::ordered_json json = session_->frame();
   json["rate"] = std::round(rate * 100) / 100;
-  std::shared_ptr<const std::string> scene;
-  if (session_->scene_revision() != shown_revision_) scene = text_of(session_->scene());
-  shown_revision_ = session_->scene_revision();
+  std::shared_ptr<const std::string> options, scene;
+  if (session_->subject_revision() != shown_subject_) options = text_of(session_->options());
+  if (session_->scene_revision() != shown_scene_) scene = text_of(session_->scene());
+  shown_subject_ = session_->subject_revision();
+  shown_scene_ = session_->scene_revision();
   std::shared_ptr<const ReportPage> recording = session_->recording();
   {
     const std::scoped_lock lock(mutex_);
     json["number"] = frame_.number + 1;
     frame_ = {frame_.number + 1, text_of(json)};
+    if (options) options_ = std::move(options);
     if (scene) scene_ = std::move(scene);
     recording_.swap(recording);
   }
@@ -144,6 +147,11 @@ LiveFrame LiveView::next_frame(std::uint64_t seen, std::chrono::milliseconds pat
   std::unique_lock lock(mutex_);
   news_.wait_for(lock, patience, [&] { return frame_.number != seen || ending_ || !failure_.empty(); });
   return frame_;
+}
+
+std::shared_ptr<const std::string> LiveView::options() const {
+  const std::scoped_lock lock(mutex_);
+  return options_;
 }
 
 std::shared_ptr<const std::string> LiveView::scene() const {

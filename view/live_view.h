@@ -40,7 +40,7 @@ class LiveView {
   /// Returns the newest frame, as soon as it is not number `seen`; the same again after `patience`.
   LiveFrame next_frame(std::uint64_t seen, std::chrono::milliseconds patience) const;
   /// Returns ViewSession::options and ViewSession::scene as text.
-  std::shared_ptr<const std::string> options() const { return options_; }
+  std::shared_ptr<const std::string> options() const;
   std::shared_ptr<const std::string> scene() const;
   /// Returns ViewSession::recording.
   std::shared_ptr<const ReportPage> recording() const;
@@ -59,14 +59,13 @@ class LiveView {
   void give_up(const std::string& why);
 
   std::unique_ptr<ViewSession> session_;  // of the thread, once it runs
-  const std::shared_ptr<const std::string> options_;
-  int shown_revision_ = 0;
+  int shown_subject_ = 0, shown_scene_ = 0;
 
   mutable std::mutex mutex_;
   mutable std::condition_variable news_;
   std::deque<Order> orders_;
   LiveFrame frame_;
-  std::shared_ptr<const std::string> scene_;
+  std::shared_ptr<const std::string> options_, scene_;
   std::shared_ptr<const ReportPage> recording_;
   std::string failure_;
   bool ending_ = false;

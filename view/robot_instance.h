@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gait/gait_generator.h"
+#include "motion/controller.h"
 #include "motion/outcome.h"
 #include "physics/engine/engine.h"
 #include "physics/engine/world_quantities.h"

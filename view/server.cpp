@@ -10,6 +10,7 @@
 
 #include "physics/core/error.h"
 #include "view/connections.h"
+#include "view/dropped_files.h"
 #include "view/request_check.h"
 
 namespace crossgait {
@@ -93,7 +94,7 @@ class ViewServer::Implementation {
   void configure() {
     server_.set_socket_options(prepare_socket);
     server_.set_tcp_nodelay(true);
-    server_.set_payload_max_length(kMaxCommandBytes);
+    server_.set_payload_max_length(kMostDroppedBytes);
     server_.set_default_headers({{"Cache-Control", "no-store"},
                                  {"Content-Security-Policy", "frame-ancestors 'none'"},
                                  {"Cross-Origin-Resource-Policy", "same-origin"},
@@ -117,7 +118,9 @@ class ViewServer::Implementation {
     } else if (request.method != "GET" && request.method != "POST") {
       answer(response, 405, "GET and POST alone");
     } else if (request.method == "POST") {
-      return admit_body(request, response);
+      return facts.path.ends_with("/drop")
+                 ? admit_body(request, response, "multipart/form-data", kMostDroppedBytes)
+                 : admit_body(request, response, "application/json", kMaxCommandBytes);
     } else {
       return true;
     }
@@ -125,12 +128,15 @@ class ViewServer::Implementation {
   }
 
   // Only what has a length that is known and checked is read.
-  static bool admit_body(const httplib::Request& request, httplib::Response& response) {
+  static bool admit_body(const httplib::Request& request, httplib::Response& response, std::string_view type,
+                         std::size_t most) {
+    const std::string said = request.get_header_value("Content-Type");
     if (request.has_header("Transfer-Encoding") || !request.has_header("Content-Length")) {
       answer(response, 411, "a body with its length is needed");
-    } else if (request.get_header_value("Content-Type") != "application/json" ||
-               request.has_header("Content-Encoding")) {
-      answer(response, 415, "application/json is needed");
+    } else if (said.substr(0, said.find(';')) != type || request.has_header("Content-Encoding")) {
+      answer(response, 415, fmt::format("{} is needed", type));
+    } else if (request.get_header_value<std::uint64_t>("Content-Length") > most) {
+      answer(response, 413, fmt::format("at most {} bytes", most));
     } else {
       return true;
     }
@@ -154,13 +160,25 @@ class ViewServer::Implementation {
     server_.Get(at + "/report",
                 [this](const httplib::Request&, httplib::Response& response) { report(response); });
     server_.Post(at + "/command", [this](const httplib::Request& request, httplib::Response& response) {
-      try {
-        view_.execute(parse_view_command(request.body));
-        response.status = 204;
-      } catch (const ConfigError& error) {
-        answer(response, 400, error.what());
-      }
+      execute(response, [&] { return parse_view_command(request.body); });
     });
+    server_.Post(at + "/drop", [this](const httplib::Request& request, httplib::Response& response) {
+      execute(response, [&] {
+        std::vector<DroppedFile> files;
+        for (const auto& [path, part] : request.files) files.push_back({path, part.content});
+        return SubjectCommand{keep_dropped(files)};
+      });
+    });
+  }
+
+  template <typename Read>
+  void execute(httplib::Response& response, const Read& read) {
+    try {
+      view_.execute(read());
+      response.status = 204;
+    } catch (const ConfigError& error) {
+      answer(response, 400, error.what());
+    }
   }
 
   void stream(httplib::Response& response) {

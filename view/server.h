@@ -22,8 +22,10 @@ struct ViewServerOptions {
 
 /// Answers below http://127.0.0.1:PORT/TOKEN: GET `/` (the page), `/options`, `/scene` (JSON), `/frames`
 /// (server-sent events, one frame each), `/report` (the last recording as a page, 404 if there is none), and
-/// POST `/command` (JSON as command.h has it; 204, or 400 with the reason). 403: wrong token, a host that is
-/// not ours, a page of another origin; 413: a body of more than kMaxCommandBytes; 415: not application/json.
+/// POST `/command` (JSON as command.h has it; 204, or 400 with the reason) and `/drop` (multipart/form-data,
+/// a part for each file, named by its path: what is driven from then on; the same answers). 403: wrong token,
+/// a host that is not ours, a page of another origin; 413: a body of more than kMaxCommandBytes or
+/// kMostDroppedBytes; 415: of another type.
 /// Who reads slowly gets fewer frames.
 class ViewServer {
  public:

@@ -34,6 +34,12 @@ void check_engines_of(const std::vector<std::string>& engines, const std::vector
   }
 }
 
+void require_one_of(const std::string& name, const std::vector<std::string>& known, const char* element) {
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw ConfigError(kSessionSource, element, fmt::format("one of {}", fmt::join(known, ", ")),
+                      fmt::format("'{}'", name));
+}
+
 constexpr double kLeastPace = 0.01;
 
 void require_within(double value, double least, double most, const char* element) {
@@ -44,19 +50,29 @@ void require_within(double value, double least, double most, const char* element
 
 }  // namespace
 
-ViewSession::ViewSession(const ViewSetup& setup, EngineProvider provider)
-    : setup_(setup), provider_(std::move(provider)), history_(setup.control_dt) {
+ViewSession::ViewSession(const ViewSetup& setup, EngineProvider provider, SubjectProvider subjects)
+    : setup_(setup),
+      provider_(std::move(provider)),
+      subjects_(std::move(subjects)),
+      history_(setup.control_dt) {
   check_engines_of(setup_.engines, provider_.names);
-  for (const std::string& engine : setup_.engines) instances_.push_back(make_instance(engine));
+  instances_ = make_instances(setup_);
   nominal_ = world();
 }
 
-std::unique_ptr<RobotInstance> ViewSession::make_instance(const std::string& engine) const {
-  const Engine found = provider_.find(engine);
-  if (setup_.policy)
-    return std::make_unique<PolicyInstance>(found, setup_.policy->environment, setup_.policy->policy);
-  const GaitDrive drive(setup_.world, setup_.gait);
-  return std::make_unique<GaitInstance>(found, setup_.world, drive, setup_.control_dt);
+RobotInstances ViewSession::make_instances(const ViewSetup& setup) const {
+  RobotInstances instances;
+  for (const std::string& name : setup.engines) {
+    const Engine engine = provider_.find(name);
+    if (setup.policy) {
+      instances.push_back(
+          std::make_unique<PolicyInstance>(engine, setup.policy->environment, setup.policy->policy));
+    } else {
+      const GaitDrive drive(setup.world, setup.gait);
+      instances.push_back(std::make_unique<GaitInstance>(engine, setup.world, drive, setup.control_dt));
+    }
+  }
+  return instances;
 }
 
 void ViewSession::apply(const ViewCommand& command) {
@@ -106,6 +122,9 @@ void ViewSession::apply(const ViewCommand& command) {
                    for (const auto& instance : instances_) instance->stand_up();
                  },
                  [this](const RecordCommand& c) { record(c.on); },
+                 [this](const RobotCommand& c) { choose_robot(c.robot); },
+                 [this](const PolicyCommand& c) { choose_policy(c.policy); },
+                 [this](const SubjectCommand& c) { change_subject(c.subject); },
              },
              command);
 }
@@ -167,6 +186,48 @@ void ViewSession::change_terrain(const TerrainCommand& command) {
   setup_.terrain_seed = command.seed;
   ++scene_revision_;
   if (!changes_.empty()) change_world(changes_);  // a new ground has the world as it was at first
+}
+
+void ViewSession::choose_robot(const std::string& robot) {
+  require_one_of(robot, subjects_.robots, "robot");
+  change_subject({robot, {}, {}, {}});
+}
+
+void ViewSession::choose_policy(const std::string& policy) {
+  ViewSubject subject{{}, policy, {}, {}};
+  if (policy.empty()) {
+    subject.robot = setup_.subject.robot;
+    subject.files = setup_.subject.files;
+  } else {
+    require_one_of(policy, subjects_.policies, "policy");
+  }
+  change_subject(subject);
+}
+
+void ViewSession::change_subject(const ViewSubject& subject) {
+  if (!subjects_.make) throw ConfigError(kSessionSource, "robot", "the one that there is", "another one");
+  ViewSetup setup;
+  RobotInstances instances;
+  try {
+    setup = subjects_.make(subject, {world().terrain.name(), setup_.terrain_seed});
+    setup.engines = setup_.engines;
+    instances = make_instances(setup);
+    static_cast<void>(
+        scene_of(instances.front()->world().spec(), 0));  // what cannot be shown is refused as well
+  } catch (const ConfigError&) {
+    throw;
+  } catch (const std::exception& problem) {  // whatever a file does to its reader, the session goes on
+    throw ConfigError(kSessionSource, subject.policy.empty() ? subject.robot : subject.policy,
+                      "a robot or a policy that can be driven", problem.what());
+  }
+  replace(std::move(instances));
+  setup_ = std::move(setup);
+  history_ = SessionHistory(setup_.control_dt);
+  nominal_ = world();
+  changes_.clear();
+  pulled_to_.reset();
+  ++subject_revision_;
+  ++scene_revision_;
 }
 
 void ViewSession::advance(int steps) {

@@ -15,6 +15,7 @@
 #include "report/page.h"
 #include "view/command.h"
 #include "view/session_history.h"
+#include "view/subject.h"
 
 namespace crossgait {
 
@@ -31,6 +32,7 @@ struct ViewPolicy {
 };
 
 struct ViewSetup {
+  ViewSubject subject;        ///< what all of this is made of, for pages to show
   WorldSpec world;            ///< unused where a policy drives
   std::string gait = "trot";  ///< so is this
   std::optional<ViewPolicy> policy = {};
@@ -49,7 +51,7 @@ inline constexpr std::uint64_t kMostStepsAtOnce = 500;
 class ViewSession {
  public:
   /// Makes robots that stand, settled. @throws ConfigError
-  ViewSession(const ViewSetup& setup, EngineProvider provider);
+  ViewSession(const ViewSetup& setup, EngineProvider provider, SubjectProvider subjects = {});
 
   /// Applies a command at once, before the next step. A command that is refused changes nothing.
   /// @throws ConfigError for what is out of bounds, not known or cannot be made
@@ -66,7 +68,9 @@ class ViewSession {
 
   // As documents, for pages (session_documents.cpp).
 
-  /// Writes what does not change: `engines`, `most_engines`, `gaits` (`name`, `summary`), `parameters`
+  /// Writes what changes with the subject alone: `subject` (its revision), `robots` and `policies` (names
+  /// that may be chosen), `robot` (the name or file of the one that there is), `engines`, `most_engines`,
+  /// `gaits` (`name`, `summary`), `parameters`
   /// (`name`, `unit`, `help`, `min`, `max`), `curves` (of the swing), `terrains` (`name`, `help`), `joints`
   /// (names of servos), `quantities` that may be changed (`name`, `unit`, `help`, `factor`: whether by a
   /// factor, `min`, `max`, `value`), `limits`
@@ -74,29 +78,36 @@ class ViewSession {
   nlohmann::ordered_json options() const;
   /// Writes what changes with the ground: `revision`, `scene` (report/scene.h) and its `numbers` in base64.
   nlohmann::ordered_json scene() const;
-  /// Grows with every change of the ground.
+  /// Grows with every change of the subject.
+  int subject_revision() const noexcept { return subject_revision_; }
+  /// Grows with every change of the ground or the subject.
   int scene_revision() const noexcept { return scene_revision_; }
-  /// Writes the moment: `scene` (revision), `paused`, `pace`, `back` (s that can be gone back), `changes` (of
-  /// the world, as ChangeCommand has them), `pull` (the point that pulls, null if none does), `chosen` (what
-  /// the driver chose, `auto` perhaps), `gait` (the one that walks), `curve`, `phase` and `parameters`
-  /// (values, in the order of `options`; all five null where joints are commanded), `command` (`vx`, `vy`,
-  /// `yaw_rate`), `terrain`, `seed`, `recorded` (s, null if nothing is being recorded), `reports` (recordings
-  /// so far) and `robots`: `engine`, `law` (of contact), `outcome`, `time` (s), `poses` of all bodies in W
-  /// (x, y, z in m, quaternion x, y, z, w), `feet` (centres in W, m), `forces` on them (in W, N), `contact`
-  /// and `swing` by leg, `velocity` of the base (forward, left in m/s, turning left in rad/s), `roll`,
-  /// `pitch` (rad), `height` over the ground (m), `angles` (rad), `speeds` (rad/s) and `torques` (N m) of
-  /// servos in the order of `options`, and from the first robot `gap` (of the bases, m) and `turned` (rad).
-  /// Numbers are rounded to 1e-5.
+  /// Writes the moment: `subject` and `scene` (revisions), `paused`, `pace`, `back` (s that can be gone
+  /// back), `changes` (of the world, as ChangeCommand has them), `pull` (the point that pulls, null if none
+  /// does), `chosen` (what the driver chose, `auto` perhaps), `gait` (the one that walks), `curve`, `phase`
+  /// and `parameters` (values, in the order of `options`; all five null where joints are commanded),
+  /// `command` (`vx`, `vy`, `yaw_rate`), `terrain`, `seed`, `recorded` (s, null if nothing is being
+  /// recorded), `reports` (recordings so far) and `robots`: `engine`, `law` (of contact), `outcome`, `time`
+  /// (s), `poses` of all bodies in W (x, y, z in m, quaternion x, y, z, w), `feet` (centres in W, m),
+  /// `forces` on them (in W, N), `contact` and `swing` by leg, `velocity` of the base (forward, left in m/s,
+  /// turning left in rad/s), `roll`, `pitch` (rad), `height` over the ground (m), `angles` (rad), `speeds`
+  /// (rad/s) and `torques` (N m) of servos in the order of `options`, and from the first robot `gap` (of the
+  /// bases, m) and `turned` (rad). Numbers are rounded to 1e-5.
   nlohmann::ordered_json frame() const;
 
   /// Returns the last recording that was finished; null if there is none. It does not change any more.
   std::shared_ptr<const ReportPage> recording() const noexcept { return recording_; }
 
  private:
-  std::unique_ptr<RobotInstance> make_instance(const std::string& engine) const;
+  RobotInstances make_instances(const ViewSetup& setup) const;
+  static nlohmann::ordered_json scene_of(const WorldSpec& world, int revision);
   const WorldSpec& world() const { return instances_.front()->world().spec(); }
   void choose_engines(const std::vector<std::string>& engines);
   void change_terrain(const TerrainCommand& command);
+  void choose_robot(const std::string& robot);
+  void choose_policy(const std::string& policy);
+  /// Begins anew with another robot or policy, on the ground and in the engines that there are.
+  void change_subject(const ViewSubject& subject);
   /// Goes on with other robots: what was recorded and can be gone back to is of those before.
   void replace(RobotInstances instances);
   void change_world(const std::vector<std::string>& texts);
@@ -111,13 +122,14 @@ class ViewSession {
 
   ViewSetup setup_;
   EngineProvider provider_;
+  SubjectProvider subjects_;
   RobotInstances instances_;
   WorldSpec nominal_;  ///< the first robot's world without changes
   std::vector<std::string> changes_;
   SessionHistory history_;
   std::optional<Vector3> pulled_to_;
   double pace_ = 1;
-  int scene_revision_ = 1, recordings_ = 0;
+  int subject_revision_ = 1, scene_revision_ = 1, recordings_ = 0;
   bool paused_ = false;
   std::vector<TraceRecorder> recorders_;  // one per instance while there is a recording
   std::vector<double> recorded_times_;    // of the last step of each that was recorded, s

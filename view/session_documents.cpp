@@ -125,7 +125,11 @@ ordered_json ViewSession::options() const {
   for (const int i : robot.actuated_joints()) joints.push_back(robot.joint(i).name);
   for (const TerrainGenerator& terrain : terrain_generators())
     terrains.push_back({{"name", terrain.name}, {"help", terrain.help}});
-  return {{"engines", provider_.names},
+  return {{"subject", subject_revision_},
+          {"robots", subjects_.robots},
+          {"policies", subjects_.policies},
+          {"robot", setup_.subject.robot},
+          {"engines", provider_.names},
           {"most_engines", kMaxInstances},
           {"gaits", std::move(gaits_)},
           {"parameters", std::move(parameters)},
@@ -142,12 +146,14 @@ ordered_json ViewSession::options() const {
           {"policy", setup_.policy ? ordered_json(setup_.policy->policy) : ordered_json()}};
 }
 
-ordered_json ViewSession::scene() const {
-  const HeightField* field = world().terrain.field();
+ordered_json ViewSession::scene() const { return scene_of(world(), scene_revision_); }
+
+ordered_json ViewSession::scene_of(const WorldSpec& world, int revision) {
+  const HeightField* field = world.terrain.field();
   const double x = field ? field->size_x() / 2 : kPlaneReach, y = field ? field->size_y() / 2 : kPlaneReach;
   PageNumbers numbers;
-  ordered_json scene = scene_document(*world().robot, world().terrain, {{-x, -y}, {x, y}}, numbers);
-  return {{"revision", scene_revision_}, {"scene", std::move(scene)}, {"numbers", numbers.base64()}};
+  ordered_json scene = scene_document(*world.robot, world.terrain, {{-x, -y}, {x, y}}, numbers);
+  return {{"revision", revision}, {"scene", std::move(scene)}, {"numbers", numbers.base64()}};
 }
 
 ordered_json ViewSession::frame() const {
@@ -161,7 +167,8 @@ ordered_json ViewSession::frame() const {
   ordered_json recorded;
   if (!recorders_.empty()) recorded = rounded(static_cast<double>(recorded_steps_) * setup_.control_dt);
   const VelocityCommand& command = instances_.front()->command();
-  return {{"scene", scene_revision_},
+  return {{"subject", subject_revision_},
+          {"scene", scene_revision_},
           {"paused", paused_},
           {"pace", pace_},
           {"back", rounded(history_.seconds())},

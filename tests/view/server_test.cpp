@@ -2,7 +2,9 @@
 #include "view/server.h"
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -12,9 +14,12 @@
 #include <gtest/gtest.h>
 
 #include "backends/registry.h"
+#include "physics/core/text.h"
+#include "physics/robot_files/data_path.h"
 #include "tests/physics/core/config_error.h"
 #include "tests/view/raw_http.h"
 #include "tests/view/view_setup.h"
+#include "view/dropped_files.h"
 #include "view/request_check.h"
 
 namespace crossgait {
@@ -142,6 +147,46 @@ TEST_F(ViewServerTest, ReadsOnlySmallCommandsOfKnownLength) {
   for (const char* method : {"PUT", "DELETE", "OPTIONS", "HEAD"})
     EXPECT_EQ(ask(port_, request_text(method, at("/command"), port_)).status, 405) << method;
   EXPECT_EQ(commanded(), 0);
+}
+
+std::string part(const std::string& path, const std::string& bytes) {
+  return "--b\r\nContent-Disposition: form-data; name=\"" + path + "\"; filename=\"f\"\r\n\r\n" + bytes +
+         "\r\n";
+}
+
+TEST_F(ViewServerTest, TakesWhatIsDroppedAndNothingElseThere) {
+  server_.reset();
+  view_ = std::make_unique<LiveView>(make_open_session({available_engines().front()}));
+  server_ = std::make_unique<ViewServer>(*view_, ViewServerOptions{.page = "", .token = kToken});
+  port_ = server_->port();
+  const auto drop = [this](const std::string& body,
+                           const std::string& type = "multipart/form-data; boundary=b",
+                           std::optional<std::size_t> length = {}) {
+    return ask(port_, "POST " + at("/drop") + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
+                          "\r\nContent-Type: " + type + "\r\nContent-Length: " +
+                          std::to_string(length.value_or(body.size())) + "\r\n\r\n" + body);
+  };
+  const std::string robot = find_robot("serial_quadruped");
+  const std::string folder = std::filesystem::path(robot).parent_path().string() + "/";
+  std::string files;
+  for (const auto& file : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!file.is_regular_file()) continue;
+    files +=
+        part(file.path().string().substr(folder.size()), read_text_file(file.path(), {kMostDroppedBytes}));
+  }
+  const auto options = [this] { return nlohmann::json::parse(*view_->options()); };
+  const auto before = options();
+  EXPECT_EQ(drop(part("a.urdf", "<robot/>") + "--b--\r\n").status, 400) << "no robot that can be read";
+  EXPECT_EQ(drop(part("../a.urdf", "<robot/>") + "--b--\r\n").status, 400);
+  EXPECT_EQ(drop("{}", "application/json").status, 415);
+  EXPECT_EQ(drop("", "multipart/form-data; boundary=b", kMostDroppedBytes + 1).status, 413);
+  EXPECT_EQ(options(), before);
+  const RawAnswer dropped = drop(files + "--b--\r\n");
+  EXPECT_EQ(dropped.status, 204) << dropped.body;
+  const std::uint64_t now = view_->next_frame(0, std::chrono::seconds(60)).number;
+  view_->next_frame(now, std::chrono::seconds(60));
+  EXPECT_TRUE(options().at("robot").get<std::string>().ends_with("/robot.yaml"));
+  EXPECT_NE(options().at("mass"), before.at("mass"));
 }
 
 TEST_F(ViewServerTest, TwoLookOnAtOnce) {

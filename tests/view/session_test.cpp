@@ -332,6 +332,65 @@ TEST_P(ViewSessionTest, WhatIsOutOfBoundsChangesNothing) {
   EXPECT_EQ(nlohmann::json(session_->frame()), before);
 }
 
+TEST_P(ViewSessionTest, AnotherRobotStandsWhereThisOneStood) {
+  const auto session = make_open_session({GetParam()});
+  tell(*session, R"({"do": "terrain", "terrain": "rough", "seed": 4})");
+  tell(*session, R"({"do": "change", "changes": ["gravity=5"]})");
+  tell(*session, kForward);
+  session->advance(500);
+  const nlohmann::json before = session->options();
+  const int scene = session->scene_revision();
+  tell(*session, R"({"do": "robot", "robot": "serial_quadruped"})");
+  const nlohmann::json options = session->options(), frame = session->frame();
+  EXPECT_EQ(options.at("robot"), "serial_quadruped");
+  EXPECT_NE(options.at("joints"), before.at("joints"));
+  EXPECT_NE(options.at("limits"), before.at("limits"));
+  EXPECT_EQ(options.at("subject"), frame.at("subject"));
+  EXPECT_GT(session->scene_revision(), scene);
+  EXPECT_EQ(frame.at("terrain"), "rough");
+  EXPECT_EQ(frame.at("seed"), 4);
+  EXPECT_TRUE(frame.at("changes").empty());
+  EXPECT_EQ(frame.at("back"), 0);
+  EXPECT_EQ(frame.at("command").at("vx"), 0);
+  EXPECT_EQ(frame.at("robots").at(0).at("engine"), GetParam());
+  EXPECT_EQ(frame.at("robots").at(0).at("outcome"), "walked");
+  tell(*session, kForward);
+  session->advance(1000);
+  EXPECT_GT(state_of(*session).p_WB.x(), 0.05);
+}
+
+TEST_P(ViewSessionTest, APolicyTakesOverAndGivesTheRobotBack) {
+  const auto session = make_open_session({GetParam()});
+  tell(*session, R"({"do": "policy", "policy": "serial_joints"})");
+  EXPECT_EQ(session->options().at("policy"), "serial_joints");
+  EXPECT_EQ(session->options().at("robot"), "serial_quadruped");
+  EXPECT_TRUE(session->frame().at("gait").is_null());
+  session->advance(100);
+  tell(*session, R"({"do": "policy", "policy": ""})");
+  EXPECT_TRUE(session->options().at("policy").is_null());
+  EXPECT_EQ(session->options().at("robot"), "serial_quadruped");
+  EXPECT_EQ(session->frame().at("gait"), "trot");
+}
+
+TEST_P(ViewSessionTest, ASubjectThatCannotBeHadChangesNothing) {
+  const auto session = make_open_session({GetParam()});
+  tell(*session, kForward);
+  session->advance(100);
+  const nlohmann::json before = session->frame(), options = session->options();
+  EXPECT_EQ(config_error([&] { tell(*session, R"({"do": "robot", "robot": "/etc/passwd"})"); }).element(),
+            "robot");
+  EXPECT_EQ(config_error([&] { tell(*session, R"({"do": "policy", "policy": "zero"})"); }).element(),
+            "policy");
+  EXPECT_THROW(session->apply(SubjectCommand{{"no_such.urdf", {}, {}, {}}}), ConfigError);
+  EXPECT_THROW(session->apply(SubjectCommand{{{}, "no_such.yaml", {}, {}}}), ConfigError);
+  EXPECT_EQ(nlohmann::json(session->frame()), before);
+  EXPECT_EQ(nlohmann::json(session->options()), options);
+  EXPECT_EQ(
+      config_error([this] { tell(*session_, R"({"do": "robot", "robot": "serial_quadruped"})"); }).found(),
+      "'serial_quadruped'")
+      << "a session without others";
+}
+
 TEST_P(ViewSessionTest, EverySliderMayBeMovedToItsEnds) {
   const nlohmann::json options = session_->options();
   for (const auto& row : options.at("parameters")) {

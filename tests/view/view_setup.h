@@ -12,6 +12,10 @@ namespace crossgait {
 /// Makes robots of scara_quadruped on flat ground, in engines of the registry.
 std::unique_ptr<ViewSession> make_view_session(const std::vector<std::string>& engines);
 
+/// Makes one whose robot may be changed: for serial_quadruped, the policies
+/// serial_joints and scara_adaptive, and files.
+std::unique_ptr<ViewSession> make_open_session(const std::vector<std::string>& engines);
+
 /// Makes a session driven by a policy of the environment.
 std::unique_ptr<ViewSession> make_policy_session(const std::vector<std::string>& engines,
                                                  const EnvConfig& config, const std::string& policy);

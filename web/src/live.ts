@@ -5,6 +5,7 @@ import { button, h, toggle } from "./dom";
 import { insideToggles, type Inside } from "./insides";
 import { Controls } from "./live_controls";
 import { Driver, Pusher } from "./live_drive";
+import { droppedFiles } from "./live_drop";
 import { Link, type LiveFrame, type LiveOptions, type LiveScene } from "./live_link";
 import { LiveRun } from "./live_run";
 import { theme } from "./theme";
@@ -33,6 +34,8 @@ function gaitOf(frame: LiveFrame): string | null {
   return frame.chosen === frame.gait ? frame.gait : `${frame.chosen}: ${frame.gait}`;
 }
 
+const isOn = (label: HTMLElement) => label.querySelector("input")!.checked;
+
 export class LivePage {
   view: View | null = null;
   frame: LiveFrame | null = null;
@@ -43,11 +46,13 @@ export class LivePage {
   private fetching = false;
   private readonly insides = new Set<Inside>();
   runs: LiveRun[] = [];
+  private shownSubject = 0;
   private shown = ""; // which ground and engines the view was made for
   private readonly link = new Link(
     (frame) => this.show(frame),
     (words) => this.say(words),
   );
+  private readonly results = h("div", { class: "results" });
   private readonly holder = h("div", { class: "canvas" });
   private readonly facts = h("p", {}, "connecting");
   private readonly trouble = h("p", { class: "trouble", role: "status" });
@@ -98,6 +103,18 @@ export class LivePage {
     true,
     (on) => this.view && (this.view.follow = on),
   );
+  private readonly forces = toggle(
+    "forces",
+    "Forces on the feet",
+    true,
+    (on) => this.view && ((this.view.forces = on), this.view.paint()),
+  );
+  private readonly trails = toggle(
+    "trails",
+    "Paths of the feet",
+    true,
+    (on) => this.view && ((this.view.trails = on), this.view.paint()),
+  );
   private readonly sideBySide = toggle("side by side", "Beside each other instead of in one place (b)", false, () =>
     this.arrange(),
   );
@@ -111,18 +128,31 @@ export class LivePage {
   }
 
   private async begin(page: HTMLElement): Promise<void> {
+    this.driver = new Driver((velocity) => this.link.send({ do: "drive", ...velocity }));
+    if (!(await this.meet())) return;
+    page.append(this.results);
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      if (event.dataTransfer) void droppedFiles(event.dataTransfer).then((files) => this.link.drop(files));
+    });
+    addEventListener("keydown", (event) => this.key(event));
+    addEventListener("pagehide", () => this.link.close());
+    this.link.watch();
+  }
+
+  /** What is driven, and what can be said to it. */
+  private async meet(): Promise<boolean> {
     try {
       this.options = await this.link.options();
     } catch {
       this.say("crossgait view does not answer: start it again, and open the address that it prints");
-      return;
+      return false;
     }
-    this.driver = new Driver(this.options.limits, (velocity) => this.link.send({ do: "drive", ...velocity }));
+    this.driver.limits = this.options.limits;
     this.controls = new Controls(this.options, this.driver, (command) => this.link.send(command));
-    page.append(h("div", { class: "results" }, this.controls.element));
-    addEventListener("keydown", (event) => this.key(event));
-    addEventListener("pagehide", () => this.link.close());
-    this.link.watch();
+    this.results.replaceChildren(this.controls.element);
+    return true;
   }
 
   private header(version: string): HTMLElement {
@@ -166,11 +196,7 @@ export class LivePage {
     const views = PRESETS.map(([preset, label, k]) =>
       button(label, `View: ${preset} (${k})`, () => this.view?.viewpoint.look(preset)),
     );
-    const shows = [
-      toggle("forces", "Forces on the feet", true, (on) => this.view && ((this.view.forces = on), this.view.paint())),
-      toggle("trails", "Paths of the feet", true, (on) => this.view && ((this.view.trails = on), this.view.paint())),
-      ...insideToggles(this.insides, () => this.view?.paint()),
-    ];
+    const shows = [this.forces, this.trails, ...insideToggles(this.insides, () => this.view?.paint())];
     const hint = h("span", { class: "muted" }, "pull at the robot to push it", this.spring);
     return h(
       "div",
@@ -193,7 +219,7 @@ export class LivePage {
 
   private show(frame: LiveFrame): void {
     this.frame = frame;
-    if (frame.scene !== this.scene?.revision) return void this.fetchScene();
+    if (frame.subject !== this.options.subject || frame.scene !== this.scene?.revision) return void this.fetch(frame);
     const wanted = [frame.scene, ...frame.robots.map((robot) => robot.engine)].join();
     if (wanted !== this.shown) {
       this.rebuild(frame);
@@ -218,20 +244,25 @@ export class LivePage {
     this.record.textContent = frame.recorded === null ? "\u25cf record" : `\u25a0 ${frame.recorded.toFixed(1)} s`;
     this.save.hidden = frame.reports === 0;
   }
-  private async fetchScene(): Promise<void> {
+  private async fetch(frame: LiveFrame): Promise<void> {
     if (this.fetching) return;
     this.fetching = true;
     try {
+      if (frame.subject !== this.options.subject) await this.meet();
       this.scene = await this.link.scene();
     } catch {
-      this.say("the ground could not be fetched");
+      this.say("robot and ground could not be fetched");
     }
     this.fetching = false;
   }
 
-  /** Another ground or other engines: robots and ground anew, seen from where they were. */
+  /** Another ground or other engines: robots and ground anew, seen from where they were. Another robot has its own size. */
   private rebuild(frame: LiveFrame): void {
-    const before = this.view?.viewpoint.camera.position.clone().sub(this.view.viewpoint.controls.target);
+    const isOther = this.shownSubject !== frame.subject;
+    this.shownSubject = frame.subject;
+    const before = isOther
+      ? undefined
+      : this.view?.viewpoint.camera.position.clone().sub(this.view.viewpoint.controls.target);
     this.view?.dispose();
     const { scene, numbers } = this.scene!;
     this.runs = frame.robots.map((robot, i) => new LiveRun(i, robot));
@@ -256,7 +287,9 @@ export class LivePage {
     });
     this.holder.replaceChildren(canvas);
     const view = (this.view = new View(motion, this.runs, new Numbers(numbers), canvas, this.insides));
-    view.follow = this.follow.querySelector("input")!.checked;
+    view.follow = isOn(this.follow);
+    view.forces = isOn(this.forces);
+    view.trails = isOn(this.trails);
     this.sideBySide.hidden = frame.robots.length < 2;
     view.show(0, true);
     this.arrange();
@@ -265,7 +298,7 @@ export class LivePage {
       view.viewpoint.controls.update();
     }
     new Pusher(view, scene.standing_height || 0.2, this.options.limits.push, {
-      isSpring: () => this.spring.querySelector("input")!.checked,
+      isSpring: () => isOn(this.spring),
       push: (impulse) => this.link.send({ do: "push", impulse }),
       pull: (to) => this.link.send(to ? { do: "pull", to } : { do: "release" }),
       say: (words) => this.say(words),
@@ -273,7 +306,7 @@ export class LivePage {
   }
   private arrange(): void {
     if (!this.view) return;
-    this.view.sideBySide = !this.sideBySide.hidden && this.sideBySide.querySelector("input")!.checked;
+    this.view.sideBySide = !this.sideBySide.hidden && isOn(this.sideBySide);
     this.view.paint();
     this.view.viewpoint.look("quarter");
   }

@@ -64,11 +64,25 @@ class Slider {
   }
 }
 
-function options(names: [string, string][], label: string, change: (value: string) => void): HTMLSelectElement {
+/** The last name of a path. */
+const fileName = (path: string) => path.replace(/.*\//, "");
+
+/** Names, and the one that there is, if it is a file. */
+function withFile(names: string[], there: string): string[] {
+  return there === "" || names.includes(there) ? names : [there, ...names];
+}
+
+/** @param shown  what stands for a value; itself by default */
+function options(
+  names: [string, string][],
+  label: string,
+  change: (value: string) => void,
+  shown = (value: string) => value,
+): HTMLSelectElement {
   const select: HTMLSelectElement = h(
     "select",
     { "aria-label": label, change: () => (leave(select), change(select.value)) },
-    ...names.map(([value, help]) => h("option", { value, title: help }, value)),
+    ...names.map(([value, help]) => h("option", { value, title: help }, shown(value))),
   );
   return select;
 }
@@ -157,6 +171,8 @@ export class Controls {
   private readonly gait: HTMLSelectElement;
   private readonly curve: HTMLSelectElement;
   private readonly engines: HTMLSelectElement[];
+  private readonly robot: HTMLSelectElement;
+  private readonly policy: HTMLSelectElement;
   private readonly terrain: HTMLSelectElement;
   private readonly seed: HTMLInputElement;
   private readonly settings: HTMLInputElement;
@@ -208,6 +224,23 @@ export class Controls {
         () => this.chooseEngines(),
       ),
     );
+    this.robot = options(
+      withFile(known.robots, known.robot).map((name) => [name, "Driven by hand"]),
+      "Robot",
+      (robot) => send({ do: "robot", robot }),
+      fileName,
+    );
+    this.robot.value = known.robot;
+    this.policy = options(
+      [
+        ["", "A hand alone drives"],
+        ...withFile(known.policies, known.policy ?? "").map((name): [string, string] => [name, "In its environment"]),
+      ],
+      "Policy",
+      (policy) => send({ do: "policy", policy }),
+      (policy) => fileName(policy) || "none",
+    );
+    this.policy.value = known.policy ?? "";
     this.terrain = options(
       known.terrains.map((t) => [t.name, t.help]),
       "Ground",
@@ -308,6 +341,15 @@ export class Controls {
     const others = this.parameters.filter((_, i) => i !== height);
     return [
       section("Drive", ...this.drive.map(([, slider]) => slider.element)),
+      section(
+        "Robot",
+        h("div", { class: "row" }, this.robot, h("label", {}, "policy", this.policy)),
+        h(
+          "p",
+          { class: "muted" },
+          "or drop a robot's file on this page, a folder with its meshes, or a policy with its environment.yaml",
+        ),
+      ),
       section(
         "Engine",
         h(

@@ -19,10 +19,10 @@ export class Driver {
   private stick = "";
   private stickSaid = 0;
 
-  constructor(
-    private readonly limits: LiveOptions["limits"],
-    private readonly send: (velocity: Velocity) => void,
-  ) {
+  /** Of what is driven. */
+  limits: LiveOptions["limits"] = { forward: 0, left: 0, yaw_rate: 0, push: 0 };
+
+  constructor(private readonly send: (velocity: Velocity) => void) {
     requestAnimationFrame((now) => this.poll(now));
   }
 

@@ -2,6 +2,13 @@
 import type { Scene } from "./document";
 
 export interface LiveOptions {
+  /** Revision of what is driven. */
+  subject: number;
+  /** Names that may be chosen. */
+  robots: string[];
+  policies: string[];
+  /** Name or file of the robot that there is. */
+  robot: string;
   engines: string[];
   most_engines: number;
   gaits: { name: string; summary: string }[];
@@ -66,6 +73,7 @@ export interface Velocity {
 
 export interface LiveFrame {
   number: number;
+  subject: number;
   scene: number;
   paused: boolean;
   pace: number;
@@ -97,6 +105,8 @@ export type Command =
   | { do: "push"; impulse: [number, number, number] }
   | { do: "terrain"; terrain: string; seed: number }
   | { do: "engines"; engines: string[] }
+  | { do: "robot"; robot: string }
+  | { do: "policy"; policy: string }
   | { do: "pause"; on: boolean }
   | { do: "step"; steps: number }
   | { do: "pace"; pace: number }
@@ -146,6 +156,13 @@ export class Link {
     else this.waiting.set(kind, command);
   }
 
+  /** Files that were dropped, by their paths: what is driven from then on. */
+  async drop(files: [string, File][]): Promise<void> {
+    const body = new FormData();
+    for (const [path, file] of files) body.append(path, file, file.name);
+    await this.answer("drop", { method: "POST", body });
+  }
+
   private async get<T>(path: string): Promise<T> {
     const answer = await fetch(path);
     if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
@@ -153,19 +170,23 @@ export class Link {
   }
   private async post(kind: string, command: Command): Promise<void> {
     this.busy.add(kind);
-    try {
-      const answer = await fetch("command", {
-        method: "POST",
-        headers: { "Content-Type": "application/json" },
-        body: JSON.stringify(command),
-      });
-      this.trouble(answer.ok ? "" : (await answer.text()).trim());
-    } catch {
-      this.trouble("no connection");
-    }
+    await this.answer("command", {
+      method: "POST",
+      headers: { "Content-Type": "application/json" },
+      body: JSON.stringify(command),
+    });
     this.busy.delete(kind);
     const next = this.waiting.get(kind);
     this.waiting.delete(kind);
     if (next) void this.post(kind, next);
+  }
+  /** Says what is wrong with what was asked, if anything is. */
+  private async answer(path: string, request: RequestInit): Promise<void> {
+    try {
+      const answer = await fetch(path, request);
+      this.trouble(answer.ok ? "" : (await answer.text()).trim());
+    } catch {
+      this.trouble("no connection");
+    }
   }
 }

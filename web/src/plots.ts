@@ -144,6 +144,9 @@ const GROUPS: [Panel["group"], string][] = [
   ["differences", "Differences between runs"],
 ];
 
+/** From one place of the cursor to the next while a replay plays, ms: numbers are read no sooner. */
+const PACE = 100;
+
 export class Plots {
   readonly element = h("div", { class: "plots" });
   readonly all: TimePlot[] = [];
@@ -178,7 +181,13 @@ export class Plots {
       this.element.append(h("section", { class: "group" }, h("h2", {}, title, chooser), grid));
     }
     this.choose(motion.scene.legs[0]?.name ?? "");
-    player.onChange(() => this.show());
+    let shown = -Infinity;
+    player.onChange(() => {
+      const now = performance.now();
+      if (player.playing && now - shown < PACE) return;
+      shown = now;
+      this.show();
+    });
     theme.onChange(() => this.all.forEach((plot) => plot.recolour()), end);
     const observer = new ResizeObserver(() => this.all.forEach((plot) => plot.resize()));
     observer.observe(this.element);

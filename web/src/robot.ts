@@ -14,6 +14,7 @@ import {
   Quaternion,
   Vector3,
 } from "three";
+import { coarseOf } from "./detail";
 import type { Numbers, Run, Scene, Shape } from "./document";
 import { geometryOf } from "./geometry";
 import { INSIDES, Insides, type Inside } from "./insides";
@@ -25,9 +26,20 @@ const TRAIL = 1.2;
 const UP = new Vector3(0, 0, 1);
 const POSE = 7; // numbers
 
+/** Meshes of more triangles have a coarse picture, of cells of this share of a standing height. */
+const FINE = 500;
+const CELL = 0.05;
+
+interface Part {
+  body: number;
+  shape: Shape;
+  geometry: BufferGeometry;
+}
+
 /** What the runs of one page share. */
 export class RobotParts {
-  readonly shapes: { body: number; shape: Shape; geometry: BufferGeometry }[] = [];
+  readonly shapes: Part[] = [];
+  private readonly coarse = new Map<Part, BufferGeometry>();
 
   constructor(
     readonly scene: Scene,
@@ -37,6 +49,15 @@ export class RobotParts {
       for (const shape of body.shapes)
         this.shapes.push({ body: index, shape, geometry: geometryOf(shape, scene, numbers) });
     });
+  }
+
+  /** What is drawn of a part in a coarse picture; made when it is first wanted. */
+  coarseOf(part: Part): BufferGeometry {
+    const corners = part.shape.type === "mesh" ? part.geometry.index!.count : 0;
+    if (corners < 3 * FINE) return part.geometry;
+    const known = this.coarse.get(part) ?? coarseOf(part.geometry, CELL * (this.scene.standing_height || 0.2));
+    this.coarse.set(part, known);
+    return known;
   }
 }
 
@@ -79,6 +100,7 @@ export class RobotView extends Group {
   private seen: ReadonlySet<Inside> = new Set();
   /** Its bodies, without arrows and paths. */
   readonly solid = new Group();
+  private readonly meshes: { mesh: Mesh; part: Part }[] = [];
   private readonly materials: { material: MeshLambertMaterial; own: Color }[] = [];
   private readonly arrowMaterial = new MeshLambertMaterial();
   private readonly trailMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.9 });
@@ -98,7 +120,11 @@ export class RobotView extends Group {
       this.bodies.push(object);
       this.solid.add(object);
     }
-    for (const { body, shape, geometry } of parts.shapes) this.bodies[body]!.add(this.meshOf(shape, geometry));
+    for (const part of parts.shapes) {
+      const mesh = this.meshOf(part.shape, part.geometry);
+      this.meshes.push({ mesh, part });
+      this.bodies[part.body]!.add(mesh);
+    }
     const size = parts.scene.standing_height || 0.2;
     parts.scene.legs.forEach((leg, index) => {
       const foot = new Object3D();
@@ -132,6 +158,11 @@ export class RobotView extends Group {
     this.insides.paint(alone);
     this.support.paint(paint);
     this.solid.traverse((object) => (object.castShadow = !ghost));
+  }
+
+  /** Whether meshes have few triangles. */
+  set coarse(on: boolean) {
+    for (const { mesh, part } of this.meshes) mesh.geometry = on ? this.parts.coarseOf(part) : part.geometry;
   }
 
   /** Shows these of its insides, the robot itself to be seen through. To be painted after. */

@@ -16,6 +16,7 @@ import {
   Vector3,
   WebGLRenderer,
 } from "three";
+import { Detail, WHOLE, type Level } from "./detail";
 import type { Live, Motion, Numbers, Run } from "./document";
 import { fieldGeometry, fieldGrid, gridGeometry } from "./ground";
 import type { Inside } from "./insides";
@@ -24,6 +25,8 @@ import { Tags, type Tagged } from "./tags";
 import { theme } from "./theme";
 import { middleOf, Viewpoint } from "./viewpoint";
 
+/** Pixels of a whole picture over those of the page, along each side. */
+const FINEST = 2;
 const SMOOTH = 0.3; // s, either way: about a stride
 /** Mean height of the base around a frame. */
 function smoothHeight(run: Run, frame: number): number {
@@ -66,6 +69,9 @@ export class View {
   private readonly ghosts: boolean[] = [];
   private time = 0;
   private lit = 0;
+  private readonly detail = new Detail(() => this.drawNow());
+  private coarse = false;
+  private drawnSince = 0;
   private pending = false;
   private disposed = false;
   private readonly endings: (() => void)[] = [];
@@ -80,8 +86,9 @@ export class View {
   ) {
     this.shown = runs.map(() => true);
     theme.setRuns(runs.map((run) => run.name));
-    // Kept after drawing, so that it can be printed and copied.
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    // Kept after drawing, so that it can be printed and copied. Edges are smooth by finer pixels: those of one that moves
+    // may be larger, while antialiasing is for ever.
+    this.renderer = new WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
     this.renderer.shadowMap.enabled = true;
     this.renderer.debug.checkShaderErrors = false; // asking waits until they are compiled
     this.build();
@@ -104,6 +111,7 @@ export class View {
       () => observer.disconnect(),
       () => this.viewpoint.controls.dispose(),
       () => this.tags.element.remove(),
+      () => this.detail.end(),
     );
   }
 
@@ -317,13 +325,22 @@ export class View {
     requestAnimationFrame(() => {
       if (this.disposed) return;
       this.pending = false;
-      this.drawNow();
+      this.drawNow(this.detail.next());
     });
   }
-  drawNow(): void {
+  drawNow(level = WHOLE): void {
     const { camera } = this.viewpoint;
+    this.setLevel(level);
     this.renderer.render(this.three, camera);
     this.outside = this.tags.show(this.tagged(), camera, this.canvas.clientWidth, this.canvas.clientHeight);
+  }
+  private setLevel({ pixels, coarse, shadow }: Level): void {
+    const ratio = pixels * FINEST;
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
+    if (coarse !== this.coarse) for (const robot of this.robots) robot.coarse = coarse;
+    this.coarse = coarse;
+    this.renderer.shadowMap.autoUpdate = false;
+    this.renderer.shadowMap.needsUpdate = this.drawnSince++ % shadow === 0;
   }
   /** Robots that are out of sight. */
   outside = 0;
@@ -359,7 +376,6 @@ export class View {
   private resize(): void {
     const box = this.canvas.parentElement!.getBoundingClientRect();
     if (box.width === 0 || box.height === 0) return;
-    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.setSize(box.width, box.height, false);
     this.viewpoint.resize(box.width / box.height);
     this.drawNow();

@@ -109,6 +109,47 @@ test("another engine goes on where this one was", async () => {
   await page.close();
 });
 
+/** Drops files on the page, as a hand does that holds no folders. */
+const drop = (page, files) =>
+  page.evaluate((named) => {
+    const transfer = new DataTransfer();
+    for (const [name, text] of named) transfer.items.add(new File([text], name));
+    dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, cancelable: true }));
+  }, files);
+
+test("another robot and a policy are chosen, and a file is dropped", async () => {
+  const { page, problems } = await openLive();
+  const at_first = await page.getByLabel("Robot", { exact: true }).inputValue();
+  const ground = await page.evaluate(() => window.crossgait.frame.terrain);
+  await page.getByLabel("trails").uncheck();
+  await page.getByLabel("Policy").selectOption("serial_joints");
+  await page.waitForFunction(() => window.crossgait.options.policy === "serial_joints");
+  await page.waitForFunction(() => window.crossgait.view.robots.length === 1 && window.crossgait.frame.gait === null);
+  assert.equal(await page.getByLabel("Robot", { exact: true }).inputValue(), "serial_quadruped");
+  assert.ok(await page.getByLabel("Gait", { exact: true }).isDisabled(), "a policy of joints has none");
+  assert.equal(await page.evaluate(() => window.crossgait.view.trails), false, "switches stay as they are");
+  for (let i = 0; i < 5; ++i) await page.keyboard.press("ArrowUp");
+  await page.waitForFunction(() => window.crossgait.view.robots[0].bodies[0].position.x > 0.1);
+
+  await drop(page, [["notes.txt", "no robot"]]);
+  await page.waitForFunction(() => document.querySelector(".trouble").textContent.includes("dropped files: robot"));
+  const robots = join(process.env.CROSSGAIT_ROBOTS, "scara_quadruped_long");
+  const files = ["robot.yaml", "robot.urdf"].map((name) => [name, readFileSync(join(robots, name), "utf8")]);
+  await drop(page, files);
+  await page.waitForFunction(() => window.crossgait.options.robot.endsWith("/robot.yaml"));
+  await page.waitForFunction(() => document.querySelector(".trouble").textContent === "");
+  assert.equal(await page.getByLabel("Policy").inputValue(), "");
+  assert.equal(await page.evaluate(() => window.crossgait.frame.terrain), ground);
+
+  const other = await openLive();
+  await other.page.getByLabel("Robot", { exact: true }).selectOption(at_first);
+  for (const each of [page, other.page])
+    await each.waitForFunction((name) => window.crossgait.options.robot === name, at_first);
+  assert.deepEqual([...problems.filter((problem) => !problem.includes("400")), ...other.problems], []);
+  await other.page.close();
+  await page.close();
+});
+
 test("two engines walk side by side, on another ground, and two look on", async () => {
   const { page, problems } = await openLive();
   const other = await openLive({ scheme: "dark" });

@@ -551,6 +551,68 @@ test("what engines make of a robot is shown in it, and taken away again", async 
   await page.close();
 });
 
+test("a picture that comes too slowly is coarser while it moves, and whole when it stands", async () => {
+  const { page, problems } = await open("walk.html");
+  const levels = await page.evaluate(() => {
+    const { detail } = window.crossgait.view;
+    const at = (now) => detail.next(now);
+    const quick = Array.from({ length: 40 }, (_, i) => at(1e6 + 40 * i)).at(-1);
+    const slow = Array.from({ length: 40 }, (_, i) => at(2e6 + 100 * i));
+    const later = at(3e6);
+    const again = at(3e6 + 40);
+    return { quick, slow, later, again };
+  });
+  const whole = { pixels: 1, coarse: false, shadow: 1 };
+  assert.deepEqual(levels.quick, whole, "where it keeps up nothing is left out");
+  assert.deepEqual(levels.slow[0], whole);
+  const pixels = levels.slow.map((level) => level.pixels);
+  assert.deepEqual(
+    pixels,
+    [...pixels].sort((a, b) => b - a),
+    "coarser step by step",
+  );
+  assert.deepEqual(levels.slow.at(-1), { pixels: 1 / 4, coarse: true, shadow: 4 });
+  assert.deepEqual(levels.later, whole, "what begins to move");
+  assert.deepEqual(levels.again, levels.slow.at(-1), "goes on as coarse as it had to be");
+
+  const sizes = await page.evaluate(async () => {
+    const { view } = window.crossgait;
+    const size = () => [view.canvas.width, view.canvas.height];
+    view.drawNow();
+    const before = size();
+    view.drawNow({ pixels: 0.5, coarse: true, shadow: 4 });
+    const moving = size();
+    view.detail.next(performance.now());
+    view.detail.next(performance.now());
+    await new Promise((resolve) => setTimeout(resolve, 1000));
+    return { before, moving, after: size() };
+  });
+  assert.deepEqual(sizes.after, sizes.before);
+  sizes.moving.forEach((size, i) => assert.ok(Math.abs(2 * size - sizes.before[i]) <= 2, `${JSON.stringify(sizes)}`));
+
+  const meshes = await page.evaluate(() => {
+    const [{ parts, meshes }] = window.crossgait.view.robots;
+    const Box = meshes.map(({ mesh }) => mesh.geometry).find((geometry) => geometry.type === "BoxGeometry").constructor;
+    const part = { shape: { type: "mesh" }, geometry: new Box(0.02, 0.04, 0.06, 40, 40, 40) };
+    const coarse = parts.coarseOf(part);
+    coarse.computeBoundingBox();
+    const { min, max } = coarse.boundingBox;
+    return {
+      fine: part.geometry.index.count / 3,
+      coarse: coarse.index.count / 3,
+      off: [max.x - 0.01, max.y - 0.02, max.z - 0.03, -min.x - 0.01, -min.y - 0.02, -min.z - 0.03].map(Math.abs),
+      again: parts.coarseOf(part) === coarse,
+      cell: 0.05 * (parts.scene.standing_height || 0.2),
+    };
+  });
+  assert.equal(meshes.fine, 19200);
+  assert.ok(meshes.coarse > 12 && meshes.coarse < meshes.fine / 10, `${meshes.coarse} triangles`);
+  assert.ok(Math.max(...meshes.off) <= meshes.cell, "as large as it was");
+  assert.ok(meshes.again, "made once");
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
 test("a rollout shows what it earned, and what its feet span", async () => {
   const { page, problems } = await open("rollout.html");
   assert.ok((await page.textContent(".results")).includes("What a policy step earns"));

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace crossgait::apps {
+namespace crossgait {
 
 class TemporaryFolder {
  public:
@@ -23,4 +23,4 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace crossgait::apps
+}  // namespace crossgait

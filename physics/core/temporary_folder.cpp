@@ -1,4 +1,4 @@
-#include "apps/temporary_folder.h"
+#include "physics/core/temporary_folder.h"
 
 #include <cerrno>
 #include <cstdlib>
@@ -6,7 +6,7 @@
 
 #include "physics/core/error.h"
 
-namespace crossgait::apps {
+namespace crossgait {
 
 TemporaryFolder::TemporaryFolder(const std::string& command) {
   std::string path = (std::filesystem::temp_directory_path() / "crossgait-XXXXXX").string();
@@ -20,4 +20,4 @@ TemporaryFolder::~TemporaryFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-}  // namespace crossgait::apps
+}  // namespace crossgait
