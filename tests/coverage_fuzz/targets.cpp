@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -40,7 +41,15 @@ void mesh(const std::string& file, std::string_view /*bytes*/) {
   static_cast<void>(read_mesh_vertices(file));
 }
 
-void terrain(const std::string& file, std::string_view /*bytes*/) { static_cast<void>(make_terrain(file)); }
+void terrain(const std::string& file, std::string_view /*bytes*/) {
+  const Terrain read = make_terrain(file);
+  const std::filesystem::path path(file);
+  const std::string written = (path.parent_path() / ("written" + path.extension().string())).string();
+  (path.extension() == ".png" ? write_png : write_csv)(*read.field(), written);
+  const Terrain again = make_terrain(written);
+  if (again.field()->rows() != read.field()->rows() || again.field()->columns() != read.field()->columns())
+    throw std::logic_error("a terrain is not what was written of it");
+}
 
 void scene(const std::string& file, std::string_view /*bytes*/) {
   static_cast<void>(read_scene_terrain(file, 2));
@@ -58,7 +67,11 @@ void course(const std::string& file, std::string_view /*bytes*/) { static_cast<v
 // Made for the default environment, which is when a description is read to its end.
 void policy(const std::string& file, std::string_view /*bytes*/) {
   static const auto model = EnvModel::make(EnvConfig());
-  static_cast<void>(load_policy(file)(model->interface));
+  const auto made = load_policy(file)(model->interface);
+  std::vector<double> observation(made->interface().observation.size()),
+      action(made->interface().action.size());
+  made->reset(0);
+  for (int step = 0; step < 3; ++step) made->act(observation, action);
 }
 
 void bundle(const std::string& file, std::string_view /*bytes*/) {
