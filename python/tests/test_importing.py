@@ -390,6 +390,45 @@ def test_checkpoints_are_read_and_not_executed(tmp_path):
     assert made.exists(), "whoever executes it would have made the folder"
 
 
+@pytest.mark.parametrize(
+    "bytes_",
+    [
+        b"",
+        b"PK",
+        # Of a name that says it is UTF-8, and is none; of a version of ZIP that there is not.
+        b"PK\x01\x02"
+        + bytes(4)
+        + b"\x00\x08"
+        + bytes(18)
+        + b"\x01\x00"
+        + bytes(16)
+        + b"\xc0"
+        + b"PK\x05\x06"
+        + bytes(6)
+        + b"\x01\x00"
+        + b"/\x00\x00\x00"
+        + bytes(6),
+        b"PK\x01\x02"
+        + b"\x00\x00\xff\xff"
+        + bytes(20)
+        + b"\x01\x00"
+        + bytes(16)
+        + b"a"
+        + b"PK\x05\x06"
+        + bytes(6)
+        + b"\x01\x00"
+        + b"/\x00\x00\x00"
+        + bytes(6),
+    ],
+)
+def test_zips_that_are_none_are_refused(tmp_path, bytes_):
+    torch_files = pytest.importorskip("crossgait.importing.torch_files")
+    file = tmp_path / "model.pt"
+    file.write_bytes(bytes_)
+    with pytest.raises(ConfigError, match=r"model\.pt: file: expected a file of PyTorch's"):
+        torch_files.is_script(str(file))
+
+
 def test_legged_gym_of_other_sizes_wants_the_observation(tmp_path):
     network = published.actor(45)
     file = published.export_script(network, tmp_path / "policy.pt")

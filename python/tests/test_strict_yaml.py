@@ -11,6 +11,7 @@ import pytest
 from crossgait.errors import ConfigError
 
 pytest.importorskip("yaml")
+from crossgait.importing import stated
 from crossgait.sweep.strict_yaml import MOST_BYTES, MOST_LEVELS, MOST_VALUES, parse_yaml, read_yaml
 
 
@@ -60,3 +61,31 @@ def test_only_regular_files_of_their_size_are_read(tmp_path: Path) -> None:
     assert time.monotonic() - begin < 60  # not for ever
     with pytest.raises(ConfigError, match="No such file"):
         read_yaml(tmp_path / "none.yaml")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("? [a, b]\n: 1\n", r"a\.yaml: line 1: expected YAML, found a key that is no text"),
+        ("a: {? {b: c} : d}\n", r"a\.yaml: line 1: expected YAML, found a key that is no text"),
+        ("a: 1\na: 2\n", r"a\.yaml: line 2: expected YAML, found a stands there twice"),
+        ("a: 2020-13-45\n", r"a\.yaml: file: expected YAML, found month must be in 1\.\.12"),
+        ("a: !!int text\n", r"a\.yaml: file: expected YAML, found invalid literal"),
+        (f"a: {'9' * 5000}\n", r"a\.yaml: file: expected YAML, found Exceeds the limit"),
+        ("a: !!no_such_kind 1\n", r"a\.yaml: line 1: expected YAML, found could not determine a constructor"),
+        ("a: [1\n", r"a\.yaml: line 2: expected YAML"),
+    ],
+)
+def test_bad_yaml_is_refused(text: str, message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        parse_yaml(text, "a.yaml")
+
+
+@pytest.mark.parametrize(
+    "text", ["? [a, b]\n: 1\n", "a: 2020-13-45\n", "a: !!int text\n", "sim:\n  dt: !!pnt_vos:\n", "a: 1\na: 2\n", ""]
+)
+def test_bad_yaml_beside_a_policy_is_refused(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "env.yaml"
+    file.write_text(text)
+    with pytest.raises(ConfigError, match=r"env\.yaml"):
+        stated.of_yaml(str(file))

@@ -23,14 +23,15 @@ else:
 from crossgait import ConfigError, EnvironmentConfig  # noqa: E402
 from crossgait._core import PolicyInterface  # noqa: E402
 from crossgait.importing.contract import Contract  # noqa: E402
-from crossgait.policies import onnx_budget, onnx_reader  # noqa: E402
+from crossgait.inputs import as_environment  # noqa: E402
+from crossgait.policies import onnx_reader  # noqa: E402
 from crossgait.policies.policy import _seen  # noqa: E402
 from crossgait.sweep import strict_yaml  # noqa: E402
 from crossgait.sweep.study import Study  # noqa: E402
 from crossgait.train.plan import Plan  # noqa: E402
 
 ROBOT = crossgait.Robot.load("serial_quadruped")
-INTERFACE = PolicyInterface(EnvironmentConfig.load("serial_joints"))
+INTERFACE = PolicyInterface(as_environment("serial_joints"))
 FOLDER = pathlib.Path(tempfile.mkdtemp(prefix="crossgait-fuzz-"))
 
 
@@ -54,7 +55,6 @@ def stated(name):
 def onnx(data):
     file = FOLDER / "policy.onnx"
     file.write_bytes(data)
-    onnx_budget.load(str(file))
     onnx_reader.read(str(file), INTERFACE, _seen(INTERFACE, None, None), None)
 
 

@@ -135,17 +135,14 @@ def of_yaml(file: str) -> Stated:
     yaml = strict_yaml._yaml()
     try:
         text = read_bytes(file, strict_yaml.MOST_BYTES).decode()
-        strict_yaml._check_budget(text, file)
-        root = yaml.compose(text, strict_yaml._loader())
     except UnicodeDecodeError as error:
         raise ConfigError(file, "file", "a readable text file", str(error)) from error
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"line {mark.line + 1}" if mark is not None else "file"
-        raise ConfigError(file, where, "YAML", getattr(error, "problem", None) or str(error)) from error
-    if root is None:
-        raise ConfigError(file, "file", "a mapping", "an empty file")
-    return _of_node(root, Path(file).name, "", root.start_mark.line + 1, yaml)
+    with strict_yaml.bad_yaml_refused(file):
+        strict_yaml.check_budget(text, file)
+        root = yaml.compose(text, strict_yaml.yaml_loader())
+        if root is None:
+            raise ConfigError(file, "file", "a mapping", "an empty file")
+        return _of_node(root, Path(file).name, "", root.start_mark.line + 1, yaml)
 
 
 def _of_node(node: Any, source: str, path: str, line: int, yaml: Any) -> Stated:
@@ -173,7 +170,7 @@ def _of_node(node: Any, source: str, path: str, line: int, yaml: Any) -> Stated:
 def _scalar(node: Any, yaml: Any) -> Any:
     if not node.tag.startswith("tag:yaml.org,2002:") or node.tag.startswith("tag:yaml.org,2002:python"):
         return node.value or node.tag.rsplit(":", 1)[-1]  # a name of Python's, never looked up
-    return strict_yaml._loader()("").construct_object(node)
+    return strict_yaml.yaml_loader()("").construct_object(node)
 
 
 def of_texts(entries: dict[str, str], source: str) -> Stated:

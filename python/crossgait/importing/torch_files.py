@@ -32,7 +32,7 @@ def is_script(file: str) -> bool:
     try:
         with zipfile.ZipFile(file) as archive:
             return any("/code/" in name or name.endswith("constants.pkl") for name in archive.namelist())
-    except (OSError, zipfile.BadZipFile) as error:
+    except Exception as error:  # of no common type
         raise ConfigError(file, "file", "a file of PyTorch's", str(error)) from error
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from crossgait.errors import ConfigError
@@ -25,13 +26,16 @@ def _yaml() -> Any:
     return yaml
 
 
-def _loader() -> Any:
+def yaml_loader() -> Any:
+    """The class that makes values. Keys are texts, and stand once."""
     yaml = _yaml()
 
     class Loader(yaml.SafeLoader):  # type: ignore[misc,name-defined]
         def construct_mapping(self, node: MappingNode, deep: bool = False) -> dict[Hashable, Any]:
             seen = set()
             for key, _ in node.value:
+                if not isinstance(key, yaml.ScalarNode):
+                    raise yaml.constructor.ConstructorError(None, None, "a key that is no text", key.start_mark)
                 if key.value in seen:
                     raise yaml.constructor.ConstructorError(
                         None, None, f"{key.value} stands there twice", key.start_mark
@@ -57,16 +61,25 @@ def read_yaml(path: str | os.PathLike[str]) -> Any:
 
 def parse_yaml(text: str, source: str) -> Any:
     """What `text` says; `source` stands for the file in messages. Raises ConfigError."""
+    with bad_yaml_refused(source):
+        check_budget(text, source)
+        return _yaml().load(text, yaml_loader())
+
+
+@contextmanager
+def bad_yaml_refused(source: str) -> Iterator[None]:
+    """Raise ConfigError for what PyYAML refuses within: also values that are none of their kind (2020-13-45)."""
     try:
-        _check_budget(text, source)
-        return _yaml().load(text, _loader())
-    except _yaml().YAMLError as error:
+        yield
+    except ConfigError:
+        raise
+    except (_yaml().YAMLError, ValueError) as error:
         mark = getattr(error, "problem_mark", None)
         where = f"line {mark.line + 1}" if mark is not None else "file"
         raise ConfigError(source, where, "YAML", getattr(error, "problem", None) or str(error)) from error
 
 
-def _check_budget(text: str, source: str) -> None:
+def check_budget(text: str, source: str) -> None:
     """Count levels and values before anything is made of them; an alias counts as what it stands for."""
     yaml = _yaml()
     values = 0
