@@ -2,8 +2,8 @@
 
     python python/benchmarks/sweep_nodes.py [--runs 100000] [--seconds 0.1] [--losses 10] [--json FILE]
 
-Each loss ends the second node at once, with the run that it is making, and adds another. Fails unless every run has one row, and rows
-of a sample are those of a loop.
+Each loss ends the second node at once, with the run that it is making, and adds another. Fails unless every run has
+one row, and rows of a sample are those of a loop.
 """
 
 from __future__ import annotations
