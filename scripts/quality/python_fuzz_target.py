@@ -2,6 +2,7 @@
 
 What is no result and no ConfigError is a finding; so are 20 s, 2 GB and a signal. With --replay FOLDER every file there is read once,
 without Atheris, for the lines that are reached. Seeds are valid files (`--seeds FOLDER`)."""
+import contextlib
 import os
 import pathlib
 import sys
@@ -59,7 +60,8 @@ def onnx(data):
 
 
 def checkpoint(data):
-    from crossgait.importing import stated as statements, torch_files
+    from crossgait.importing import stated as statements
+    from crossgait.importing import torch_files
 
     file = FOLDER / "model.pt"
     file.write_bytes(data)
@@ -116,10 +118,8 @@ def make_seeds(folder):
 
 
 def once(read, data):
-    try:
+    with contextlib.suppress(ConfigError):
         read(data)
-    except ConfigError:
-        pass
 
 
 def main():
