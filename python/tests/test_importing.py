@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -388,6 +389,43 @@ def test_checkpoints_are_read_and_not_executed(tmp_path):
     assert not made.exists()
     torch.load(tmp_path / "model.pt", weights_only=False)
     assert made.exists(), "whoever executes it would have made the folder"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        (
+            "memory_a.rnn.weight_hh_l0",
+            None,
+            r"weight_hh_l0: expected a tensor of numbers with 2 dimensions, found none",
+        ),
+        ("memory_a.rnn.weight_hh_l0", "text", r"weight_hh_l0: expected a tensor of numbers.*found str"),
+        ("memory_a.rnn.bias_hh_l0", [3], r"memory_a\.rnn\.\*: expected weights of 1 layers of lstm, 8 wide"),
+        ("memory_a.rnn.weight_ih_l0", [0, 0], r"memory_a\.rnn\.\*: expected weights of 1 layers of lstm, 8 wide"),
+        ("actor_obs_normalizer._std", [1, 7], r"normaliser: expected \d+ of each, found \d+ means and 7 deviations"),
+        (
+            "actor.0.weight",
+            [2],
+            r"actor\.0\.weight: expected a tensor of numbers with 2 dimensions, found 1 dimensions",
+        ),
+        ("memory_a.rnn.bias_ih_l0", math.nan, r"bias_ih_l0: expected finite numbers, found others among them"),
+        ("actor.0.bias", None, r"actor\.0\.bias: expected a tensor of numbers with 1 dimensions, found none"),
+    ],
+)
+def test_checkpoints_of_other_tensors_are_refused(tmp_path, name, value, message):
+    torch = pytest.importorskip("torch")
+    from crossgait.importing import stated, torch_files
+
+    file, _ = published.checkpoint(tmp_path / "model_10.pt", published.ENV_YAML_OBSERVATIONS, recurrent=True)
+    saved = torch.load(file)
+    saved["model_state_dict"].pop(name)
+    if value is not None:
+        given = torch.full([32], value) if isinstance(value, float) else value
+        saved["model_state_dict"][name] = torch.zeros(given) if isinstance(given, list) else given
+    torch.save(saved, file)
+    (tmp_path / "agent.yaml").write_text("policy: {activation: elu, rnn_type: lstm}\n")
+    with pytest.raises(ConfigError, match=message):
+        torch_files.read_checkpoint(file, stated.of_yaml(str(tmp_path / "agent.yaml")))
 
 
 @pytest.mark.parametrize(

@@ -154,27 +154,62 @@ def read_checkpoint(file: str, agent: Stated | None) -> Actor:
     if agent is None:
         expected = "agent.yaml of its run (--from agent.yaml), which says what is between the layers"
         raise ConfigError(file, "architecture", expected, "none: a checkpoint holds weights alone")
-    try:
-        saved = torch.load(file, map_location="cpu", weights_only=True)
-    except Exception as error:  # of no common type
-        raise ConfigError(file, "file", "a checkpoint of tensors alone", str(error).strip().splitlines()[0]) from error
-    state = saved.get("actor_state_dict", saved.get("model_state_dict")) if isinstance(saved, dict) else None
-    if not isinstance(state, dict):
-        raise ConfigError(file, "file", "model_state_dict or actor_state_dict, as rsl_rl writes it", "neither")
-    state = dict(state)
-    for key, value in (saved.get("obs_norm_state_dict") or {}).items():
-        state[f"obs_normalizer.{key}"] = value
+    weights = _Weights.load(file)
     activation = _activation(agent)
-    layers = _layers(state, file)
-    normaliser = _normaliser(state)
-    recurrent = _recurrent(state, agent)
+    layers = _layers(weights)
+    normaliser = _normaliser(weights)
+    recurrent = _recurrent(weights, agent)
     if recurrent is not None and normaliser is not None:
         layers_alone = MlpNetwork(layers, activation=activation)
-        return Actor(None, layers_alone, _folded(recurrent, *normaliser))
+        return Actor(None, layers_alone, _folded(recurrent, *normaliser, file))
     if recurrent is not None:
         return Actor(None, MlpNetwork(layers, activation=activation), recurrent)
     network = MlpNetwork(layers, activation=activation, normalisation=normaliser)
     return Actor(network, network, None)
+
+
+class _Weights:
+    """The tensors of a checkpoint, each looked at before it is used: a file may hold anything under any name."""
+
+    def __init__(self, file: str, state: dict[Any, Any]) -> None:
+        self.file = file
+        self.names = [name for name in state if isinstance(name, str)]
+        self._state = state
+
+    @classmethod
+    def load(cls, file: str) -> _Weights:
+        """Of a file, tensors alone. Raises ConfigError."""
+        try:
+            saved = torch.load(file, map_location="cpu", weights_only=True)
+        except Exception as error:  # of no common type
+            found = str(error).strip().splitlines()[:1] or [type(error).__name__]
+            raise ConfigError(file, "file", "a checkpoint of tensors alone", found[0]) from error
+        state = saved.get("actor_state_dict", saved.get("model_state_dict")) if isinstance(saved, dict) else None
+        if not isinstance(state, dict):
+            raise ConfigError(file, "file", "model_state_dict or actor_state_dict, as rsl_rl writes it", "neither")
+        norm = saved.get("obs_norm_state_dict")
+        beside = {f"obs_normalizer.{key}": value for key, value in norm.items()} if isinstance(norm, dict) else {}
+        return cls(file, dict(state) | beside)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._state
+
+    def at(self, name: str, dimensions: int | None = None) -> torch.Tensor:
+        """A tensor of numbers, of so many dimensions. Raises ConfigError."""
+        value = self._state.get(name)
+        expected = "a tensor of numbers" if dimensions is None else f"a tensor of numbers with {dimensions} dimensions"
+        if not isinstance(value, torch.Tensor) or not value.dtype.is_floating_point or value.layout != torch.strided:
+            found = "none" if value is None else str(getattr(value, "dtype", type(value).__name__))
+            raise ConfigError(self.file, name, expected, found)
+        if dimensions is not None and value.dim() != dimensions:
+            raise ConfigError(self.file, name, expected, f"{value.dim()} dimensions")
+        if not bool(torch.isfinite(value).all()):
+            raise ConfigError(self.file, name, "finite numbers", "others among them")
+        return value
+
+    def numbers(self, name: str, dimensions: int | None = None) -> np.ndarray[Any, Any]:
+        """The same as an array."""
+        return np.asarray(self.at(name, dimensions).double().numpy())
 
 
 def _policy(agent: Stated) -> Stated:
@@ -192,51 +227,59 @@ def _activation(agent: Stated) -> str:
     return _ACTIVATIONS[name]
 
 
-def _layers(state: dict[str, torch.Tensor], file: str) -> list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]]:
+def _layers(weights: _Weights) -> list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]]:
     for prefix in _NETWORKS:
+        parts = [name.split(".") for name in weights.names if name.startswith(f"{prefix}.")]
         numbers = sorted(
-            int(key.split(".")[1])
-            for key in state
-            if key.startswith(f"{prefix}.") and key.endswith(".weight") and key.split(".")[1].isdigit()
+            int(part[1]) for part in parts if len(part) == 3 and part[1].isdecimal() and part[2] == "weight"
         )
         if numbers:
             return [
-                (state[f"{prefix}.{i}.weight"].double().numpy(), state[f"{prefix}.{i}.bias"].double().numpy())
-                for i in numbers
+                (weights.numbers(f"{prefix}.{i}.weight", 2), weights.numbers(f"{prefix}.{i}.bias", 1)) for i in numbers
             ]
-    raise ConfigError(file, "model_state_dict", "actor.N.weight or mlp.N.weight", ", ".join(sorted(state)[:5]))
+    found = ", ".join(sorted(weights.names)[:5])
+    raise ConfigError(weights.file, "model_state_dict", "actor.N.weight or mlp.N.weight", found)
 
 
-def _normaliser(state: dict[str, torch.Tensor]) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]] | None:
+def _normaliser(weights: _Weights) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]] | None:
     for prefix in _NORMALISERS:
-        if f"{prefix}._mean" in state:
-            std = state[f"{prefix}._std"].double().numpy().reshape(-1)
+        if f"{prefix}._mean" in weights:
+            std = weights.numbers(f"{prefix}._std").reshape(-1)
             # (x - mean) / (std + 1e-2), as rsl_rl's EmpiricalNormalization has it.
-            return state[f"{prefix}._mean"].double().numpy().reshape(-1), std + 1e-2
+            return weights.numbers(f"{prefix}._mean").reshape(-1), std + 1e-2
     return None
 
 
 _RECURRENT = {"lstm": torch.nn.LSTM, "gru": torch.nn.GRU}
 
 
-def _recurrent(state: dict[str, torch.Tensor], agent: Stated) -> torch.nn.LSTM | torch.nn.GRU | None:
-    prefix = next((p for p in ("memory_a.rnn.", "rnn.rnn.", "rnn.") if f"{p}weight_ih_l0" in state), None)
+def _recurrent(weights: _Weights, agent: Stated) -> torch.nn.LSTM | torch.nn.GRU | None:
+    prefix = next((p for p in ("memory_a.rnn.", "rnn.rnn.", "rnn.") if f"{p}weight_ih_l0" in weights), None)
     if prefix is None:
         return None
     kind = _policy(agent).at("rnn_type")
     if kind.text().lower() not in _RECURRENT:
         kind.fail("lstm or gru")
-    own = {key.removeprefix(prefix): value for key, value in state.items() if key.startswith(prefix)}
-    hidden = own["weight_hh_l0"].shape[1]
-    count = len([key for key in own if key.startswith("weight_ih_l")])
-    module: torch.nn.LSTM | torch.nn.GRU = _RECURRENT[kind.text().lower()](own["weight_ih_l0"].shape[1], hidden, count)
-    module.load_state_dict(own)
+    own = {name.removeprefix(prefix): weights.at(name) for name in weights.names if name.startswith(prefix)}
+    hidden = weights.at(f"{prefix}weight_hh_l0", 2).shape[1]
+    count = len([name for name in own if name.startswith("weight_ih_l")])
+    sees = weights.at(f"{prefix}weight_ih_l0", 2).shape[1]
+    try:
+        module: torch.nn.LSTM | torch.nn.GRU = _RECURRENT[kind.text().lower()](sees, hidden, count)
+        module.load_state_dict(own)
+    except (RuntimeError, ValueError) as error:
+        expected = f"weights of {count} layers of {kind.text()}, {hidden} wide"
+        found = " ".join(str(error).split())
+        raise ConfigError(weights.file, f"{prefix}*", expected, found) from error
     module.eval()
     return module
 
 
-def _folded(recurrent: Any, mean: np.ndarray[Any, Any], std: np.ndarray[Any, Any]) -> Any:
+def _folded(recurrent: Any, mean: np.ndarray[Any, Any], std: np.ndarray[Any, Any], file: str) -> Any:
     """With the normaliser of its input in its first layer."""
+    if not mean.size == std.size == recurrent.input_size:
+        found = f"{mean.size} means and {std.size} deviations"
+        raise ConfigError(file, "normaliser", f"{recurrent.input_size} of each", found)
     with torch.no_grad():
         weight = recurrent.weight_ih_l0.double() / torch.from_numpy(std)
         recurrent.bias_ih_l0 -= (weight @ torch.from_numpy(mean)).float()
