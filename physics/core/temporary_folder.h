@@ -8,7 +8,7 @@ namespace crossgait {
 
 class TemporaryFolder {
  public:
-  /// For its owner alone. @throws ConfigError naming `command`
+  /// Makes one for its owner alone. @throws ConfigError naming `command`
   explicit TemporaryFolder(const std::string& command);
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;
