@@ -236,6 +236,7 @@ void ViewSession::advance(int steps) {
 }
 
 void ViewSession::step_once() {
+  pull_force_ = 0;
   if (pulled_to_) pull();
   for (const auto& instance : instances_) instance->step();
   history_.add(instances_);
@@ -258,9 +259,11 @@ void ViewSession::pull() {
   const double damping = 2 * std::sqrt(stiffness * mass);
   for (const auto& instance : instances_) {
     const RobotState& state = instance->world().state();
-    const Vector3 force = stiffness * (*pulled_to_ - state.p_WB) - damping * state.v_WB;
-    if (instance->outcome() != Outcome::kDiverged)
-      instance->pull(force * std::min(1.0, most / std::max(force.norm(), 1e-9)));
+    const Vector3 wanted = stiffness * (*pulled_to_ - state.p_WB) - damping * state.v_WB;
+    const Vector3 force = wanted * std::min(1.0, most / std::max(wanted.norm(), 1e-9));
+    if (instance->outcome() == Outcome::kDiverged) continue;
+    instance->pull(force);
+    if (instance == instances_.front()) pull_force_ = force.norm();
   }
 }
 

@@ -84,15 +84,16 @@ class ViewSession {
   int scene_revision() const noexcept { return scene_revision_; }
   /// Writes the moment: `subject` and `scene` (revisions), `paused`, `pace`, `back` (s that can be gone
   /// back), `changes` (of the world, as ChangeCommand has them), `pull` (the point that pulls, null if none
-  /// does), `chosen` (what the driver chose, `auto` perhaps), `gait` (the one that walks), `curve`, `phase`
-  /// and `parameters` (values, in the order of `options`; all five null where joints are commanded),
-  /// `command` (`vx`, `vy`, `yaw_rate`), `terrain`, `seed`, `recorded` (s, null if nothing is being
-  /// recorded), `reports` (recordings so far) and `robots`: `engine`, `law` (of contact), `outcome`, `time`
-  /// (s), `poses` of all bodies in W (x, y, z in m, quaternion x, y, z, w), `feet` (centres in W, m),
-  /// `forces` on them (in W, N), `contact` and `swing` by leg, `velocity` of the base (forward, left in m/s,
-  /// turning left in rad/s), `roll`, `pitch` (rad), `height` over the ground (m), `angles` (rad), `speeds`
-  /// (rad/s) and `torques` (N m) of servos in the order of `options`, and from the first robot `gap` (of the
-  /// bases, m) and `turned` (rad). Numbers are rounded to 1e-5.
+  /// does), `pull_force` (of its spring on the first robot in the last step, N), `chosen` (what the driver
+  /// chose, `auto` perhaps), `gait` (the one that walks), `curve`, `phase` and `parameters` (values, in the
+  /// order of `options`; all five null where joints are commanded), `command` (`vx`, `vy`, `yaw_rate`),
+  /// `terrain`, `seed`, `recorded` (s, null if nothing is being recorded), `reports` (recordings so far) and
+  /// `robots`: `engine`, `law` (of contact), `outcome`, `time` (s), `poses` of all bodies in W (x, y, z in m,
+  /// quaternion x, y, z, w), `feet` (centres in W, m), `forces` on them (in W, N), `contact` and `swing` by
+  /// leg, `velocity` of the base (forward, left in m/s, turning left in rad/s), `roll`, `pitch` (rad),
+  /// `height` over the ground (m), `angles` (rad), `speeds` (rad/s) and `torques` (N m) of servos in the
+  /// order of `options`, and from the first robot `gap` (of the bases, m) and `turned` (rad). Numbers are
+  /// rounded to 1e-5.
   nlohmann::ordered_json frame() const;
 
   /// Returns the last recording that was finished; null if there is none. It does not change any more.
@@ -128,6 +129,7 @@ class ViewSession {
   std::vector<std::string> changes_;
   SessionHistory history_;
   std::optional<Vector3> pulled_to_;
+  double pull_force_ = 0;  ///< N, on the first robot in the last step
   double pace_ = 1;
   int subject_revision_ = 1, scene_revision_ = 1, recordings_ = 0;
   bool paused_ = false;

@@ -28,7 +28,8 @@ constexpr std::array kLiveQuantities{
     LiveQuantity{"gravity", false, 1, 15},      LiveQuantity{"trunk_mass", true, 0.5, 3},
     LiveQuantity{"mass", true, 0.5, 2},         LiveQuantity{"kp", true, 0.1, 3},
     LiveQuantity{"kd", true, 0.1, 3},           LiveQuantity{"effort", true, 0.1, 2},
-    LiveQuantity{"impratio", false, 1, 100},
+    LiveQuantity{"impratio", false, 1, 100},    LiveQuantity{"torsional_friction", false, 0, 0.05},
+    LiveQuantity{"erp", false, 0.05, 0.8},
 };
 
 // Five digits behind the point: what a picture shows of metres and quaternions, and short as text.
@@ -176,6 +177,7 @@ ordered_json ViewSession::frame() const {
           {"pull", pulled_to_ ? ordered_json{rounded(pulled_to_->x()), rounded(pulled_to_->y()),
                                              rounded(pulled_to_->z())}
                               : ordered_json()},
+          {"pull_force", rounded(pull_force_)},
           {"gait", gait != nullptr ? ordered_json(gait->gait().name) : ordered_json()},
           {"chosen", gait != nullptr ? ordered_json(instances_.front()->chosen_gait()) : ordered_json()},
           {"curve", gait != nullptr ? ordered_json(name(gait->parameters().swing)) : ordered_json()},

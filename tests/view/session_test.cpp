@@ -165,6 +165,36 @@ TEST_P(ViewSessionTest, ASpringLiftsTheRobotUntilItIsReleased) {
   EXPECT_LT(state_of(*session_).v_WB.z(), -0.5) << "it falls";
 }
 
+// Half a standing height of way is half a weight of force; twice the weight is the most.
+TEST_P(ViewSessionTest, TheForceOfASpringIsTold) {
+  const RobotDescription& robot = *session_->instances().front()->world().spec().robot;
+  const double weight = robot.total_mass() * kGravity;
+  const Vector3 p = state_of(*session_).p_WB;
+  const auto force = [&](double up) {
+    session_->apply(PullCommand{p + Vector3(0, 0, up)});
+    session_->advance(1);
+    return session_->frame().at("pull_force").get<double>();
+  };
+  EXPECT_EQ(session_->frame().at("pull_force"), 0);
+  EXPECT_NEAR(force(robot.standing_height / 2), weight / 2, 0.02 * weight);  // what moves in a step, damped
+  EXPECT_NEAR(force(10), 2 * weight, 1e-4 * weight);
+  session_->apply(ReleaseCommand{});
+  session_->advance(1);
+  EXPECT_EQ(session_->frame().at("pull_force"), 0);
+}
+
+TEST_P(ViewSessionTest, EveryQuantityMayBeMovedToItsEnds) {
+  const nlohmann::json options = session_->options();
+  for (const auto& quantity : options.at("quantities")) {
+    for (const char* end : {"min", "max"}) {
+      const std::string change = quantity.at("name").get<std::string>() + "=" +
+                                 (quantity.at("factor").get<bool>() ? "x" : "") + quantity.at(end).dump();
+      EXPECT_NO_THROW(session_->apply(ChangeCommand{{change}})) << change;
+      session_->advance(2);
+    }
+  }
+}
+
 TEST_P(ViewSessionTest, TheLastMinuteCanBeKept) {
   tell(*session_, R"({"do": "keep"})");
   EXPECT_EQ(session_->recording(), nullptr) << "nothing has happened";

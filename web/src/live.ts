@@ -47,6 +47,7 @@ export class LivePage {
   private readonly insides = new Set<Inside>();
   runs: LiveRun[] = [];
   private shownSubject = 0;
+  private pulled = false;
   private shown = ""; // which ground and engines the view was made for
   private readonly link = new Link(
     (frame) => this.show(frame),
@@ -233,6 +234,9 @@ export class LivePage {
     this.tell(frame);
   }
   private tell(frame: LiveFrame): void {
+    if (frame.pull) this.say(`a spring pulls with ${frame.pull_force.toFixed(1)} N`);
+    else if (this.pulled) this.say("");
+    this.pulled = frame.pull !== null;
     this.facts.textContent = `${this.scene!.scene.robot} on ${frame.terrain} \u00b7 ${[this.options.policy, gaitOf(frame)].filter(Boolean).join(" on ")} \u00b7 ${frame.robots.map((robot) => robot.engine).join(", ")}`;
     this.clock.textContent = `${frame.robots[0]!.time.toFixed(1)} s, ${frame.paused ? "paused" : `${frame.rate.toFixed(2)}\u00d7`}`;
     this.clock.title = "Simulated time, and how fast it passes";

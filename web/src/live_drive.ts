@@ -143,7 +143,6 @@ export class Pusher {
     if (!this.ray.ray.intersectPlane(plane, this.to)) return;
     const { x, y, z } = this.to.clone().add(this.offset);
     this.pulling.pull([x, y, z]);
-    this.pulling.say("a spring holds the robot");
   }
   /** Two standing heights are as much as there is. */
   private impulse(): Vector3 {

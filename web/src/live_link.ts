@@ -82,6 +82,8 @@ export interface LiveFrame {
   changes: string[];
   /** The point that pulls at the base, if one does. */
   pull: [number, number, number] | null;
+  /** Of its spring, N. */
+  pull_force: number;
   rate: number;
   /** These five are null where a policy commands joints. What was chosen may be "auto"; the gait is what walks. */
   chosen: string | null;

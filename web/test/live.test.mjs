@@ -298,8 +298,12 @@ test("a spring holds the robot while the pointer does", async () => {
   await page.mouse.down();
   await page.mouse.move(x, y - 120, { steps: 4 });
   await page.waitForFunction(() => window.crossgait.frame.pull !== null);
+  await page.waitForFunction(() =>
+    /^a spring pulls with \d+\.\d N$/.test(document.querySelector(".trouble").textContent),
+  );
   await page.mouse.up();
   await page.waitForFunction(() => window.crossgait.frame.pull === null);
+  await page.waitForFunction(() => document.querySelector(".trouble").textContent === "");
   assert.deepEqual(problems, []);
   await page.close();
 });
