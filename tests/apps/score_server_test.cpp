@@ -12,8 +12,11 @@ namespace {
 const std::string kShort = " --starts 2 --seconds 1.5 --engines " + available_engines().front();
 
 std::vector<nlohmann::json> answers_to(const std::string& lines) {
-  write_file("asked.jsonl", lines);
-  const ProgramResult result = run_program("score --serve" + kShort + " < asked.jsonl");
+  // Tests run beside one another, in one folder.
+  const std::string file =
+      std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + ".jsonl";
+  write_file(file, lines);
+  const ProgramResult result = run_program("score --serve" + kShort + " < " + file);
   EXPECT_EQ(result.exit_code, 0) << result.err;
   std::vector<nlohmann::json> answers;
   std::istringstream text(result.out);
