@@ -14,6 +14,7 @@
 
 #include "apps/command.h"
 #include "physics/core/atomic_file.h"
+#include "physics/core/error.h"
 
 namespace crossgait::apps {
 namespace {
@@ -64,21 +65,16 @@ void open_page(const std::string& path) {
 OpenedAddress::OpenedAddress(const std::string& address) {
   bool opened = false;
   try {
-    file_ = temporary_file("open.html");
-  } catch (const std::runtime_error&) {  // whoever cannot have one is told to do it by hand
+    folder_.emplace("view");
+  } catch (const ConfigError&) {  // whoever cannot have one is told to do it by hand
   }
-  if (!file_.empty()) {
+  if (folder_) {
+    const std::string file = folder_->file("open.html");
     write_file_atomically(
-        file_, fmt::format("<!doctype html><meta http-equiv=\"refresh\" content=\"0; url={}\">\n", address));
-    opened = open_file(file_);
+        file, fmt::format("<!doctype html><meta http-equiv=\"refresh\" content=\"0; url={}\">\n", address));
+    opened = open_file(file);
   }
   if (!opened) print_notes({"xdg-open could not open the address: do it by hand"});
-}
-
-OpenedAddress::~OpenedAddress() {
-  std::error_code nothing_to_be_done;
-  if (!file_.empty())
-    std::filesystem::remove_all(std::filesystem::path(file_).parent_path(), nothing_to_be_done);
 }
 
 }  // namespace crossgait::apps

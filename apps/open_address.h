@@ -1,7 +1,10 @@
 // Opens pages and addresses in the user's browser, the latter without showing them to others.
 #pragma once
 
+#include <optional>
 #include <string>
+
+#include "physics/core/temporary_folder.h"
 
 namespace crossgait::apps {
 
@@ -19,12 +22,9 @@ void open_page(const std::string& path);
 class OpenedAddress {
  public:
   explicit OpenedAddress(const std::string& address);
-  ~OpenedAddress();
-  OpenedAddress(const OpenedAddress&) = delete;
-  OpenedAddress& operator=(const OpenedAddress&) = delete;
 
  private:
-  std::string file_;
+  std::optional<TemporaryFolder> folder_;
 };
 
 }  // namespace crossgait::apps

@@ -58,6 +58,7 @@ ViewSession::ViewSession(const ViewSetup& setup, EngineProvider provider, Subjec
   check_engines_of(setup_.engines, provider_.names);
   instances_ = make_instances(setup_);
   nominal_ = world();
+  scene_ = scene_of(world(), scene_revision_);
 }
 
 RobotInstances ViewSession::make_instances(const ViewSetup& setup) const {
@@ -184,8 +185,9 @@ void ViewSession::change_terrain(const TerrainCommand& command) {
     instances.push_back(instances_[i]->with_terrain(provider_.find(setup_.engines[i]), ground));
   replace(std::move(instances));
   setup_.terrain_seed = command.seed;
-  ++scene_revision_;
   if (!changes_.empty()) change_world(changes_);  // a new ground has the world as it was at first
+  ++scene_revision_;
+  scene_ = scene_of(world(), scene_revision_);
 }
 
 void ViewSession::choose_robot(const std::string& robot) {
@@ -208,12 +210,13 @@ void ViewSession::change_subject(const ViewSubject& subject) {
   if (!subjects_.make) throw ConfigError(kSessionSource, "robot", "the one that there is", "another one");
   ViewSetup setup;
   RobotInstances instances;
+  nlohmann::ordered_json scene;
   try {
     setup = subjects_.make(subject, {world().terrain.name(), setup_.terrain_seed});
     setup.engines = setup_.engines;
     instances = make_instances(setup);
-    static_cast<void>(
-        scene_of(instances.front()->world().spec(), 0));  // what cannot be shown is refused as well
+    // What cannot be shown is refused as well.
+    scene = scene_of(instances.front()->world().spec(), scene_revision_ + 1);
   } catch (const ConfigError&) {
     throw;
   } catch (const std::exception& problem) {  // whatever a file does to its reader, the session goes on
@@ -228,6 +231,7 @@ void ViewSession::change_subject(const ViewSubject& subject) {
   pulled_to_.reset();
   ++subject_revision_;
   ++scene_revision_;
+  scene_ = std::move(scene);
 }
 
 void ViewSession::advance(int steps) {

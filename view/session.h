@@ -77,7 +77,7 @@ class ViewSession {
   /// (`forward`, `left`, `yaw_rate`, `push`), `mass` (kg) and `policy` (its name, null where a hand drives).
   nlohmann::ordered_json options() const;
   /// Writes what changes with the ground: `revision`, `scene` (report/scene.h) and its `numbers` in base64.
-  nlohmann::ordered_json scene() const;
+  const nlohmann::ordered_json& scene() const noexcept { return scene_; }
   /// Grows with every change of the subject.
   int subject_revision() const noexcept { return subject_revision_; }
   /// Grows with every change of the ground or the subject.
@@ -128,6 +128,7 @@ class ViewSession {
   WorldSpec nominal_;  ///< the first robot's world without changes
   std::vector<std::string> changes_;
   SessionHistory history_;
+  nlohmann::ordered_json scene_;
   std::optional<Vector3> pulled_to_;
   double pull_force_ = 0;  ///< N, on the first robot in the last step
   double pace_ = 1;

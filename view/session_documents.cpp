@@ -147,8 +147,6 @@ ordered_json ViewSession::options() const {
           {"policy", setup_.policy ? ordered_json(setup_.policy->policy) : ordered_json()}};
 }
 
-ordered_json ViewSession::scene() const { return scene_of(world(), scene_revision_); }
-
 ordered_json ViewSession::scene_of(const WorldSpec& world, int revision) {
   const HeightField* field = world.terrain.field();
   const double x = field ? field->size_x() / 2 : kPlaneReach, y = field ? field->size_y() / 2 : kPlaneReach;

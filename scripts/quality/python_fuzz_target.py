@@ -11,13 +11,12 @@ import tempfile
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python" / "tests"))
 REPLAY = "--replay" in sys.argv or "--seeds" in sys.argv
+instrumented = contextlib.nullcontext()
 if not REPLAY:
     import atheris
 
-    with atheris.instrument_imports(include=["crossgait"]):
-        import crossgait
-        from crossgait.importing import environment, forms, imported
-else:
+    instrumented = atheris.instrument_imports(include=["crossgait"])
+with instrumented:
     import crossgait
     from crossgait.importing import environment, forms, imported
 

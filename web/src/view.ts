@@ -90,6 +90,7 @@ export class View {
     // may be larger, while antialiasing is for ever.
     this.renderer = new WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
     this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.autoUpdate = false; // each picture says
     this.renderer.debug.checkShaderErrors = false; // asking waits until they are compiled
     this.build();
     const room = this.radius();
@@ -339,7 +340,6 @@ export class View {
     if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
     if (coarse !== this.coarse) for (const robot of this.robots) robot.coarse = coarse;
     this.coarse = coarse;
-    this.renderer.shadowMap.autoUpdate = false;
     this.renderer.shadowMap.needsUpdate = this.drawnSince++ % shadow === 0;
   }
   /** Robots that are out of sight. */

@@ -43,15 +43,21 @@ def as_policy_file(
 
     """
     with TemporaryDirectory(prefix="crossgait-") as folder:
-        yield _written(os.fspath(checkpoint), environment, agent, folder)
+        stated = _agent_of(checkpoint, agent)
+        yield _written(os.fspath(checkpoint), environment, stated, folder)
 
 
-def _written(checkpoint: str, environment: InterfaceLike, agent: str | os.PathLike[str] | None, folder: str) -> str:
+def _agent_of(checkpoint: str | os.PathLike[str], agent: str | os.PathLike[str] | None) -> str | None:
+    """The agent.yaml that is given, or found."""
     beside = [Path(checkpoint).parent / name for name in _AGENTS]
     stated = agent if agent is not None else next((file for file in beside if file.exists()), None)
+    return None if stated is None else os.fspath(stated)
+
+
+def _written(checkpoint: str, environment: InterfaceLike, agent: str | None, folder: str) -> str:
     within = Path(folder) / Path(checkpoint).stem
     within.mkdir()
-    read = None if stated is None else of_yaml(os.fspath(stated))
+    read = None if agent is None else of_yaml(agent)
     return write_network(checkpoint, interface_of(environment), within, read)
 
 
@@ -69,7 +75,9 @@ def _run() -> int:
     parser.add_argument("--out", required=True)
     given = parser.parse_args()
     try:
-        answer: dict[str, object] = {"policy": _written(given.checkpoint, given.env, given.agent, given.out)}
+        agent = _agent_of(given.checkpoint, given.agent)
+        written = _written(given.checkpoint, given.env, agent, given.out)
+        answer: dict[str, object] = {"policy": written, "agent": agent}
     except (ConfigError, ImportError) as error:
         answer = {"error": _parts_of(error, given.checkpoint)}
     print(json.dumps(answer))

@@ -133,10 +133,7 @@ class Stated:
 def of_yaml(file: str) -> Stated:
     """A YAML file; tags of Python's, as Isaac Lab writes them, are read as the lists and texts that they are of."""
     yaml = strict_yaml._yaml()
-    try:
-        text = read_bytes(file, strict_yaml.MOST_BYTES).decode()
-    except UnicodeDecodeError as error:
-        raise ConfigError(file, "file", "a readable text file", str(error)) from error
+    text = strict_yaml.read_text(file)
     with strict_yaml.bad_yaml_refused(file):
         strict_yaml.check_budget(text, file)
         root = yaml.compose(text, strict_yaml.yaml_loader())

@@ -51,12 +51,15 @@ def yaml_loader() -> Any:
 
 def read_yaml(path: str | os.PathLike[str]) -> Any:
     """What a file holds. Raises ConfigError."""
-    source = os.fspath(path)
+    return parse_yaml(read_text(path), os.fspath(path))
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """The text of a file. Raises ConfigError."""
     try:
-        text = read_bytes(path, MOST_BYTES).decode()
+        return read_bytes(path, MOST_BYTES).decode()
     except UnicodeDecodeError as error:
-        raise ConfigError(source, "file", "a readable text file", str(error)) from error
-    return parse_yaml(text, source)
+        raise ConfigError(os.fspath(path), "file", "a readable text file", str(error)) from error
 
 
 def parse_yaml(text: str, source: str) -> Any:
