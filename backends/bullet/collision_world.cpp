@@ -15,6 +15,18 @@ namespace {
 constexpr int kTerrainGroup = 1;
 constexpr int kRobotGroup = 2;
 constexpr double kFieldDepth = 0.1;  // m
+
+// Bullet's own sizes are for 4096 pairs that touch, 6 MB a world. For more pairs than these it asks the
+// allocator.
+btDefaultCollisionConstructionInfo room_for(const WorldSpec& spec) {
+  btDefaultCollisionConstructionInfo sizes;
+  const auto pairs = contact_features(*spec.robot, spec.fixed_base).size() + spec.robot->bodies.size();
+  sizes.m_defaultMaxPersistentManifoldPoolSize = static_cast<int>(pairs);
+  sizes.m_defaultMaxCollisionAlgorithmPoolSize =
+      static_cast<int>(2 * pairs);  // of a body, and of each feature
+  return sizes;
+}
+
 }  // namespace
 
 CollisionWorld::CollisionWorld(const WorldSpec& spec, const ContactFactors& factors, MultibodyModel& model,
@@ -23,6 +35,7 @@ CollisionWorld::CollisionWorld(const WorldSpec& spec, const ContactFactors& fact
       factors_(factors),
       model_(model),
       solver_(solver),
+      configuration_(room_for(spec)),
       terrain_collision_(spec.terrain),
       dispatcher_(&configuration_),
       world_(&dispatcher_, &broadphase_, &solver, &configuration_) {

@@ -1,20 +1,27 @@
 // MuJoCo's files in memory.
 #pragma once
 
-#include <memory>
+#include <new>
 #include <string>
 
 #include <mujoco/mujoco.h>
+#include <sys/mman.h>
 
 #include "backends/mujoco/version.h"
 
 namespace crossgait::mujoco {
 
-/// Holds files in memory; megabytes large in 2.2.2: not for the stack.
+/// Holds files in memory, megabytes large in 2.2.2: in pages of its own, which go back to the system. Freed
+/// on the heap they would be handed out again as the stack of a world, resident, of which a step takes a
+/// tenth.
 class FileSystem {
  public:
-  FileSystem() { mj_defaultVFS(files_.get()); }
-  ~FileSystem() { mj_deleteVFS(files_.get()); }
+  /// @throws std::bad_alloc
+  FileSystem() : files_(map()) { mj_defaultVFS(files_); }
+  ~FileSystem() {
+    mj_deleteVFS(files_);
+    munmap(files_, sizeof(mjVFS));
+  }
   FileSystem(const FileSystem&) = delete;
   FileSystem& operator=(const FileSystem&) = delete;
   FileSystem(FileSystem&&) = delete;
@@ -22,10 +29,17 @@ class FileSystem {
 
   /// @param name  without a folder, and not there yet; at most 2000 files
   void add(const std::string& name, const std::string& bytes) { add_file(*files_, name, bytes); }
-  const mjVFS* get() const { return files_.get(); }
+  const mjVFS* get() const { return files_; }
 
  private:
-  std::unique_ptr<mjVFS> files_ = std::make_unique<mjVFS>();
+  static mjVFS* map() {
+    void* const pages =
+        mmap(nullptr, sizeof(mjVFS), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (pages == MAP_FAILED) throw std::bad_alloc();
+    return static_cast<mjVFS*>(pages);
+  }
+
+  mjVFS* files_;
 };
 
 }  // namespace crossgait::mujoco

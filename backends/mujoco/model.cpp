@@ -1,6 +1,7 @@
 #include "backends/mujoco/model.h"
 
 #include <array>
+#include <utility>
 
 #include "backends/mujoco/engine_call.h"
 #include "backends/mujoco/file_system.h"
@@ -49,6 +50,14 @@ ModelPtr compile_model(const WorldSpec& spec) {
   set_loop_anchors(*model, *spec.robot);
   if (const HeightField* field = spec.terrain.field()) fill_heights(*model, *field);
   return model;
+}
+
+DataPtr make_data_without_rows(mjModel& model) {
+  const auto rows = std::exchange(model.njmax, 0), contacts = std::exchange(model.nconmax, 0);
+  DataPtr data(mj_makeData(&model));
+  model.njmax = rows;
+  model.nconmax = contacts;
+  return data;
 }
 
 }  // namespace crossgait::mujoco

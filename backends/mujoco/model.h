@@ -21,4 +21,8 @@ using DataPtr = std::unique_ptr<mjData, Deleter>;
 /// @throws ConfigError if MuJoCo refuses the model, std::runtime_error if it fails otherwise (memory)
 ModelPtr compile_model(const WorldSpec& spec);
 
+/// Makes data without room for contacts and rows of constraints, a tenth of what a step takes: for places,
+/// inertias and rays. @param model  as it was when this returns
+DataPtr make_data_without_rows(mjModel& model);
+
 }  // namespace crossgait::mujoco

@@ -1,5 +1,6 @@
 #include "backends/mujoco/model_xml.h"
 
+#include <algorithm>
 #include <iterator>
 #include <string_view>
 
@@ -198,15 +199,16 @@ std::string model_xml(const WorldSpec& spec) {
       "jacobian='dense' iterations='{}' tolerance='{:.17g}' impratio='{:.17g}'/>",
       spec.physics_dt, numbers(spec.gravity), name(spec.contact.cone), spec.solver.iterations,
       solver_tolerance(spec.solver.tolerance), spec.contact.impratio);
-  // As much room as can be needed (terrain_collision.h): MuJoCo's own memory grows with the square of the
-  // rows.
+  // As much room as can be needed (terrain_collision.h) and no more: MuJoCo's own memory grows with the
+  // square of the rows, 1 MB of 264.
   const std::size_t loops = spec.robot->loops.size(), couplings = spec.robot->couplings.size();
   const auto joints = static_cast<std::size_t>(spec.robot->joint_count());
   // An elliptic cone has a row for each dimension, a pyramid two for each direction of friction.
   const auto dims = static_cast<std::size_t>(spec.contact.condim);
   const std::size_t rows = spec.contact.cone == FrictionCone::kPyramidal ? 2 * (dims - 1) : dims;
-  xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts,
-          rows * kMaxContacts + 3 * loops + couplings + 3 * joints);
+  const auto contacts = static_cast<std::size_t>(
+      std::clamp(most_contact_points(*spec.robot, spec.fixed_base), 1, kMaxContacts));
+  xml.add("<size nconmax='{}' njmax='{}'/>", contacts, rows * contacts + 3 * loops + couplings + 3 * joints);
   if (const HeightField* field = spec.terrain.field()) {
     // The second figure is the depth of the solid below the lowest point.
     xml.add("<asset><hfield name='terrain' nrow='{}' ncol='{}' size='{:.17g} {:.17g} {:.17g} 0.1'/></asset>",

@@ -64,11 +64,7 @@ class MujocoBackend final : public PhysicsBackend {
     install_terrain_collision();
     model_ = compile_model(spec());
     collision_.set_model(*model_, robot());
-    in_mujoco(who(), [this] {
-      data_.reset(mj_makeData(model_.get()));
-      query_.reset(mj_makeData(model_.get()));
-      mj_forward(model_.get(), query_.get());
-    });
+    in_mujoco(who(), [this] { data_.reset(mj_makeData(model_.get())); });
     index_elements();
     reset();
   }
@@ -255,19 +251,28 @@ class MujocoBackend final : public PhysicsBackend {
     const std::array<mjtNum, 3> from{x, y, top}, down{0, 0, -1};
     constexpr std::array<mjtByte, 6> kTerrainOnly{1, 0, 0, 0, 0, 0};
     double distance = -1;
-    in_mujoco(who(), [&] {
-      distance = ray(model_.get(), query_.get(), from.data(), down.data(), kTerrainOnly.data());
-    });
+    in_mujoco(who(),
+              [&] { distance = ray(model_.get(), &query(), from.data(), down.data(), kTerrainOnly.data()); });
     return distance < 0 ? std::numeric_limits<double>::quiet_NaN() : top - distance;
   }
 
   // A copy of the configuration for questions between steps, so that asking never disturbs the simulation.
+  // Made when the first is asked: most worlds of a training never are.
+  mjData& query() const {
+    if (!query_) {
+      query_ = make_data_without_rows(*model_);
+      mj_kinematics(model_.get(), query_.get());  // where the ground is
+    }
+    return *query_;
+  }
+
   const mjData& refreshed_query() const {
     in_mujoco(who(), [this] {
-      mju_copy(query_->qpos, data_->qpos, static_cast<int>(model_->nq));
-      mj_kinematics(model_.get(), query_.get());
-      mj_comPos(model_.get(), query_.get());
-      find_inertia(model_.get(), query_.get());
+      mjData& d = query();
+      mju_copy(d.qpos, data_->qpos, static_cast<int>(model_->nq));
+      mj_kinematics(model_.get(), &d);
+      mj_comPos(model_.get(), &d);
+      find_inertia(model_.get(), &d);
     });
     return *query_;
   }
@@ -358,7 +363,7 @@ class MujocoBackend final : public PhysicsBackend {
   mutable TerrainCollision collision_;  // questions between steps look for no contacts
   ModelPtr model_;
   DataPtr data_;
-  DataPtr query_;
+  mutable DataPtr query_;
   std::vector<ShapeOwner> owners_;           // per MuJoCo geom
   std::vector<int> bodies_;                  // MuJoCo body of each of ours
   std::vector<int> q_address_, v_address_;   // of each joint

@@ -64,6 +64,12 @@ std::vector<ContactFeature> features_of(const CollisionShape& shape) {
 
 int feature_count(const CollisionShape& shape) { return static_cast<int>(features_of(shape).size()); }
 
+int most_contact_points(const RobotDescription& robot, bool fixed_base) {
+  int points = 0;
+  for (const ContactFeature& feature : contact_features(robot, fixed_base)) points += feature.rim > 0 ? 3 : 1;
+  return points;
+}
+
 SphereCentres sphere_centres(const ContactFeature& feature, const Vector3& centre, const Vector3& axis,
                              const Terrain& terrain, double margin) noexcept {
   SphereCentres centres;

@@ -39,6 +39,9 @@ std::vector<ContactFeature> features_of(const CollisionShape& shape);
 /// Counts a shape's features.
 int feature_count(const CollisionShape& shape);
 
+/// Counts the points that can touch at once, of all shapes: three of a rim, one of every other feature.
+int most_contact_points(const RobotDescription& robot, bool fixed_base);
+
 /// Returns how far from the shape's origin a feature reaches, m.
 inline double reach(const ContactFeature& feature) {
   return feature.p_GC.norm() + feature.rim + feature.radius;

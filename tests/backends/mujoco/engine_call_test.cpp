@@ -2,6 +2,7 @@
 // (its handlers and its collision table) stays as others left it.
 #include "backends/mujoco/engine_call.h"
 
+#include <cstdlib>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -71,22 +72,39 @@ TEST(MujocoErrors, InCompilationAreConfigErrors) {
   }
 }
 
-int calls = 0, calls_that_work = 0;
+int allocations = 0, allocations_that_work = 0;
+
+/// Memory of MuJoCo's, as long as this lives: so much of it as `allocations_that_work` says.
+struct ScarceMemory {
+  ScarceMemory() {
+    mju_user_malloc = [](std::size_t size) -> void* {
+      constexpr std::size_t kAlignment = 64;  // MuJoCo's own
+      if (++allocations > allocations_that_work) return nullptr;
+      return std::aligned_alloc(kAlignment, (size + kAlignment - 1) / kAlignment * kAlignment);
+    };
+    mju_user_free = std::free;
+  }
+  ~ScarceMemory() {
+    mju_user_malloc = nullptr;
+    mju_user_free = nullptr;
+  }
+  ScarceMemory(const ScarceMemory&) = delete;
+  ScarceMemory& operator=(const ScarceMemory&) = delete;
+};
 
 TEST(MujocoErrors, AtConstructionAreExceptionsInMujocosWords) {
-  const ControlCallback callback([](const mjModel*, mjData*) {
-    if (++calls > calls_that_work) mju_error("a planted error");
-  });
-  calls = 0;
-  calls_that_work = 1000;
+  const ScarceMemory memory;
+  allocations = 0;
+  allocations_that_work = std::numeric_limits<int>::max();
   const ModelPtr model = compile_model(on_a_field());
-  calls_that_work = calls;  // MuJoCo tries a model out when it compiles one
-  calls = 0;
+  allocations_that_work = allocations;  // enough for the model, and none for what is simulated
+  allocations = 0;
   try {
     engine().make(on_a_field());
     FAIL() << "no error";
   } catch (const std::runtime_error& error) {
-    EXPECT_STREQ(error.what(), "MuJoCo: a planted error");
+    EXPECT_EQ(std::string(error.what()).rfind("MuJoCo: ", 0), 0) << error.what();
+    EXPECT_NE(std::string(error.what()).find("allocate"), std::string::npos) << error.what();
   }
 }
 
