@@ -29,17 +29,24 @@ constexpr std::uint64_t kNoiseStream = 0x6e6f697365;  // "noise": random numbers
 
 }  // namespace
 
-QuadrupedEnv::QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine)
+QuadrupedEnv::QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine,
+                           std::shared_ptr<WorldGroup> group)
     : model_(std::move(model)),
       engine_(std::move(engine)),
+      group_(std::move(group)),
       base_world_(model_->world),
       episode_(make_episode()) {
-  if (!config().randomisation.changes_world()) world_ = engine_.make(model_->world);
+  if (!config().randomisation.changes_world()) world_ = make_world(model_->world);
   if (config().extension != nullptr) extension_ = config().extension->make();
 }
 
 QuadrupedEnv::QuadrupedEnv(const LoadedEnv& loaded, Engine engine)
     : QuadrupedEnv(EnvModel::make(loaded), std::move(engine)) {}
+
+std::unique_ptr<PhysicsBackend> QuadrupedEnv::make_world(WorldSpec spec) const {
+  spec.group = group_;
+  return engine_.make(spec);
+}
 
 QuadrupedEnv::Episode QuadrupedEnv::make_episode() const {
   const EnvConfig& c = config();
@@ -118,7 +125,7 @@ void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
   e.draw = draw(config().randomisation, e.random);
   if (config().randomisation.changes_world()) {
     base_world_ = draw_world();
-    world_ = engine_.make(changed(base_world_, changes_));
+    world_ = make_world(changed(base_world_, changes_));
   }
 
   std::visit([this](auto& control) { control.restart(config().command); }, e.control);
@@ -317,7 +324,7 @@ void QuadrupedEnv::apply_wrench(const BodyWrench& wrench) {
 void QuadrupedEnv::set_changes(std::vector<QuantityChange> changes) {
   require_begun("set_changes");
   require_under_way(changes, kSource);
-  auto world = engine_.make(changed(base_world_, changes));
+  auto world = make_world(changed(base_world_, changes));
   world->restore(world_->save());
   world_ = std::move(world);
   changes_ = std::move(changes);
@@ -366,7 +373,7 @@ void QuadrupedEnv::restore(const Saved& saved) {
                        world_->spec().terrain.field() != saved.world.terrain.field();
   const bool differs = config().randomisation.changes_world() || !changes_.empty() || !saved.changes.empty();
   if (differs && foreign) {
-    world_ = engine_.make(saved.world);
+    world_ = make_world(saved.world);
     base_world_ = saved.base_world;
     changes_ = saved.changes;
   }

@@ -46,8 +46,10 @@ struct StepInfo {
 class QuadrupedEnv {
  public:
   /// Builds the world, unless the configuration randomises it; nothing moves before `reset`.
+  /// @param group  of the environments that are stepped together; null: none
   /// @throws ConfigError for a world that cannot be built
-  QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine);
+  QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine,
+               std::shared_ptr<WorldGroup> group = nullptr);
   /// Makes an environment with a model of its own. @throws ConfigError for a bad configuration besides
   QuadrupedEnv(const LoadedEnv& loaded, Engine engine);
   ~QuadrupedEnv() = default;
@@ -168,6 +170,7 @@ class QuadrupedEnv {
     StepInfo info = {};
   };
 
+  std::unique_ptr<PhysicsBackend> make_world(WorldSpec spec) const;
   Episode make_episode() const;
   Controller& control() noexcept;
   WorldSpec draw_world();
@@ -184,6 +187,7 @@ class QuadrupedEnv {
 
   std::shared_ptr<const EnvModel> model_;
   Engine engine_;
+  std::shared_ptr<WorldGroup> group_;
   FootStates feet_;
   WorldSpec base_world_;  // as configured or drawn, without changes
   std::vector<QuantityChange> changes_;

@@ -31,11 +31,13 @@ VectorEnv::VectorEnv(const EnvConfig& config, const Engine& engine, const Vector
       slots_(options.environments),
       pool_(at_least_one("workers", options.workers)) {
   const auto model = EnvModel::make(config);
+  // With fewer environments than threads there is nothing to share.
+  const auto group = size() > workers() ? std::make_shared<WorldGroup>(workers()) : nullptr;
   constexpr std::size_t kAtOnce = 64;  // between which `progress` is told: some tens of milliseconds
   for (std::size_t begin = 0; begin < size(); begin += kAtOnce) {
     if (options.progress) options.progress(static_cast<double>(begin) / static_cast<double>(size()));
     pool_.run(std::min(kAtOnce, size() - begin), [&](std::size_t i) {
-      environments_[begin + i] = std::make_unique<QuadrupedEnv>(model, engine);
+      environments_[begin + i] = std::make_unique<QuadrupedEnv>(model, engine, group);
     });
   }
 }

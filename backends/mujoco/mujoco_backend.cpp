@@ -1,17 +1,18 @@
 #include "backends/mujoco/mujoco_backend.h"
 
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 
 #include <mujoco/mujoco.h>
 
 #include "backends/mujoco/convert.h"
-#include "backends/mujoco/engine_call.h"
-#include "backends/mujoco/model.h"
 #include "backends/mujoco/model_xml.h"
-#include "backends/mujoco/terrain_collision.h"
+#include "backends/mujoco/simulation.h"
 #include "backends/mujoco/version.h"
 #include "physics/robot/actuator.h"
 #include "physics/robot/principal_inertia.h"
@@ -60,11 +61,9 @@ class MujocoBackend final : public PhysicsBackend {
   MujocoBackend(const WorldSpec& world, bool loop_bias)
       : PhysicsBackend(world),
         takes_bias_away_(kHasLoopBias && !loop_bias),
-        collision_(robot(), spec().fixed_base, spec().terrain) {
-    install_terrain_collision();
-    model_ = compile_model(spec());
-    collision_.set_model(*model_, robot());
-    in_mujoco(who(), [this] { data_.reset(mj_makeData(model_.get())); });
+        group_(world.group),
+        simulations_(Simulations::of(world, the_info(!takes_bias_away_).name)),
+        kept_(simulations_->model()) {
     index_elements();
     reset();
   }
@@ -77,7 +76,7 @@ class MujocoBackend final : public PhysicsBackend {
 
  private:
   void index_elements() {
-    const mjModel& m = *model_;
+    const mjModel& m = simulations_->model();
     owners_.resize(static_cast<std::size_t>(m.ngeom));
     bodies_.resize(robot().bodies.size());
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
@@ -96,8 +95,6 @@ class MujocoBackend final : public PhysicsBackend {
       const int joint = mj_name2id(&m, mjOBJ_JOINT, joint_name(i).c_str());
       q_address_.push_back(m.jnt_qposadr[joint]);
       v_address_.push_back(m.jnt_dofadr[joint]);
-      // After MuJoCo has its inverse weights, which it has without what dampers add.
-      model_->dof_armature[v_address_.back()] = step_armature(robot().joint(i), spec().physics_dt);
       servo_tendons_.push_back(mj_name2id(&m, mjOBJ_TENDON, servo_name(i).c_str()));
     }
     servo_accelerations_.resize(static_cast<std::size_t>(m.ntendon));
@@ -105,51 +102,57 @@ class MujocoBackend final : public PhysicsBackend {
     base_body_ = bodies_[0];
   }
 
-  CalledFor who() const noexcept { return {model_.get(), &collision_}; }
+  /// Returns this thread's simulation with the state of this world in it.
+  Simulation& loaded() const noexcept {
+    Simulation& simulation = simulations_->here();
+    simulation.load({id_, revision_}, kept_, base_body_);
+    return simulation;
+  }
 
   /// Where MuJoCo's base body sits in ours.
   const Vector3& base_origin() const noexcept { return robot().bodies[0].inertia.p_BC; }
 
   void do_reset(const RobotState& state) override {
-    mjData& d = *data_;
-    in_mujoco(who(), [this] { mj_resetData(model_.get(), data_.get()); });
-    d.time = state.time;
+    kept_.clear(simulations_->model(), base_body_);
+    ++revision_;
+    kept_.time() = state.time;
     const Quaternion q = state.q_WB.normalized();
     const std::array<mjtNum, 4> wxyz{q.w(), q.x(), q.y(), q.z()};
     const Vector3 p_BC_W = q * base_origin();
     const Vector3 p_WC = state.p_WB + p_BC_W;
+    mjtNum* const qpos = kept_.qpos().data();
+    mjtNum* const qvel = kept_.qvel().data();
     if (spec().fixed_base) {
-      mju_copy3(model_->body_pos + 3 * base_body_, p_WC.data());
-      mju_copy4(model_->body_quat + 4 * base_body_, wxyz.data());
+      mju_copy3(kept_.base_position(), p_WC.data());
+      mju_copy4(kept_.base_attitude(), wxyz.data());
     } else {
       const Vector3 w_B = q.conjugate() * state.w_WB;  // a free joint's angular velocity is in the body frame
       const Vector3 v_WC = state.v_WB + state.w_WB.cross(p_BC_W);
-      mju_copy3(d.qpos, p_WC.data());
-      mju_copy4(d.qpos + 3, wxyz.data());
-      mju_copy3(d.qvel, v_WC.data());
-      mju_copy3(d.qvel + 3, w_B.data());
+      mju_copy3(qpos, p_WC.data());
+      mju_copy4(qpos + 3, wxyz.data());
+      mju_copy3(qvel, v_WC.data());
+      mju_copy3(qvel + 3, w_B.data());
     }
     for (std::size_t i = 0; i < q_address_.size(); ++i) {
-      d.qpos[q_address_[i]] = state.q[static_cast<Eigen::Index>(i)];
-      d.qvel[v_address_[i]] = state.qd[static_cast<Eigen::Index>(i)];
+      qpos[q_address_[i]] = state.q[static_cast<Eigen::Index>(i)];
+      qvel[v_address_[i]] = state.qd[static_cast<Eigen::Index>(i)];
     }
   }
 
-  void step_once() noexcept {
+  void step_once(mjModel& m, mjData& d) noexcept {
     if (!takes_bias_away_ && servo_accelerations_.empty()) {
-      mj_step(model_.get(), data_.get());
+      mj_step(&m, &d);
       return;
     }
-    mj_step1(model_.get(), data_.get());
-    if (takes_bias_away_) take_loop_bias_away(*data_);
-    refer_to_servos();
-    mj_step2(model_.get(), data_.get());
+    mj_step1(&m, &d);
+    if (takes_bias_away_) take_loop_bias_away(d);
+    refer_to_servos(d);
+    mj_step2(&m, &d);
   }
 
   // A row of friction gives  clamp(-(a - a_ref) / R, +-loss): with R = 1 / inertia and the bounds' middle
   // applied beside it, an implicit servo's torque.
-  void set_servo_rows() noexcept {
-    mjModel& m = *model_;
+  void set_servo_rows(mjModel& m, mjData& d) noexcept {
     mju_zero(m.tendon_frictionloss, m.ntendon);
     for (const ImplicitServo& servo : implicit_servos()) {
       const auto joint = static_cast<std::size_t>(servo.joint);
@@ -158,13 +161,12 @@ class MujocoBackend final : public PhysicsBackend {
       m.tendon_frictionloss[row] = (servo.upper - servo.lower) / 2;
       m.tendon_invweight0[row] = 1 / servo.inertia;
       servo_accelerations_[static_cast<std::size_t>(row)] = (servo.torque - middle) / servo.inertia;
-      data_->qfrc_applied[v_address_[joint]] += middle;
+      d.qfrc_applied[v_address_[joint]] += middle;
     }
   }
 
   // MuJoCo's own reference acceleration damps the row.
-  void refer_to_servos() noexcept {
-    mjData& d = *data_;
+  void refer_to_servos(mjData& d) noexcept {
     for (int i = d.ne; i < d.ne + d.nf; ++i) {
       if (d.efc_type[i] == mjCNSTR_FRICTION_TENDON)
         d.efc_aref[i] = servo_accelerations_[static_cast<std::size_t>(d.efc_id[i])];
@@ -172,43 +174,52 @@ class MujocoBackend final : public PhysicsBackend {
   }
 
   StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept override {
-    mjData& d = *data_;
+    Simulation& simulation = loaded();
+    mjModel& m = simulation.model();
+    mjData& d = simulation.data();
     for (std::size_t i = 0; i < v_address_.size(); ++i) {
       d.qfrc_applied[v_address_[i]] = tau[static_cast<Eigen::Index>(i)];
     }
-    set_servo_rows();
+    set_servo_rows(m, d);
     mju_copy3(d.xfrc_applied + 6 * base_body_, base.force.data());
     mju_copy3(d.xfrc_applied + 6 * base_body_ + 3, base.torque.data());
-    collision_.begin();
-    if (!try_in_mujoco(who(), [this] { step_once(); })) return StepStatus::kDiverged;
+    simulation.collision().begin();
+    const bool made = try_in_mujoco(simulation.who(), [this, &m, &d] { step_once(m, d); });
     // On a bad state MuJoCo warns and silently resets itself.
-    const bool bad = d.warning[mjWARN_BADQPOS].number > 0 || d.warning[mjWARN_BADQVEL].number > 0 ||
-                     d.warning[mjWARN_BADQACC].number > 0;
-    return bad ? StepStatus::kDiverged : StepStatus::kOk;
+    if (!made || d.warning[mjWARN_BADQPOS].number > 0 || d.warning[mjWARN_BADQVEL].number > 0 ||
+        d.warning[mjWARN_BADQACC].number > 0) {
+      simulation.spoil();
+      return StepStatus::kDiverged;
+    }
+    simulation.store({id_, ++revision_}, kept_);
+    return StepStatus::kOk;
   }
 
   void do_read_state(RobotState& state) const noexcept override {
-    const mjData& d = *data_;
+    const mjtNum* const qpos = kept_.qpos();
+    const mjtNum* const qvel = kept_.qvel();
     if (spec().fixed_base) {
-      state.q_WB = quaternion(model_->body_quat + 4 * base_body_);
-      state.p_WB = vector(model_->body_pos + 3 * base_body_) - state.q_WB * base_origin();
+      state.q_WB = quaternion(kept_.base_attitude());
+      state.p_WB = vector(kept_.base_position()) - state.q_WB * base_origin();
       state.v_WB.setZero();
       state.w_WB.setZero();
     } else {
-      state.q_WB = quaternion(d.qpos + 3);
+      state.q_WB = quaternion(qpos + 3);
       const Vector3 p_BC_W = state.q_WB * base_origin();
-      state.p_WB = vector(d.qpos) - p_BC_W;
-      state.w_WB = state.q_WB * vector(d.qvel + 3);
-      state.v_WB = vector(d.qvel) - state.w_WB.cross(p_BC_W);
+      state.p_WB = vector(qpos) - p_BC_W;
+      state.w_WB = state.q_WB * vector(qvel + 3);
+      state.v_WB = vector(qvel) - state.w_WB.cross(p_BC_W);
     }
     for (std::size_t i = 0; i < q_address_.size(); ++i) {
-      state.q[static_cast<Eigen::Index>(i)] = d.qpos[q_address_[i]];
-      state.qd[static_cast<Eigen::Index>(i)] = d.qvel[v_address_[i]];
+      state.q[static_cast<Eigen::Index>(i)] = qpos[q_address_[i]];
+      state.qd[static_cast<Eigen::Index>(i)] = qvel[v_address_[i]];
     }
   }
 
+  // Called after a step, by its thread: what it found is still there.
   void do_read_contacts(ContactList& contacts) const noexcept override {
-    const mjData& d = *data_;
+    Simulation& simulation = simulations_->here();
+    const mjData& d = simulation.data();
     for (int i = 0; i < d.ncon; ++i) {
       const mjContact& c = d.contact[i];
       if (c.efc_address < 0) continue;
@@ -223,25 +234,25 @@ class MujocoBackend final : public PhysicsBackend {
       contact.p_WP = vector(c.pos);
       contact.normal = sign * frame.row(0).transpose();
       contact.distance = c.dist;
-      contact.force = sign * (frame.transpose() * force_in_frame(i));
-      contact.slip_speed = slip_speed(c);
+      contact.force = sign * (frame.transpose() * force_in_frame(simulation.model(), d, i));
+      contact.slip_speed = slip_speed(d, c);
       contacts.add(contact);
     }
-    contacts.dropped = collision_.dropped();
+    contacts.dropped = simulation.collision().dropped();
   }
 
   // Elliptic cones keep force and velocity in the contact's frame; of a pyramid each direction of friction
   // has two edges, of the normal plus and minus its coefficient times the tangent.
-  Vector3 force_in_frame(int contact) const noexcept {
+  Vector3 force_in_frame(const mjModel& m, const mjData& d, int contact) const noexcept {
     if (spec().contact.cone == FrictionCone::kElliptic)
-      return vector(data_->efc_force + data_->contact[contact].efc_address);
+      return vector(d.efc_force + d.contact[contact].efc_address);
     std::array<mjtNum, 6> force{};
-    mj_contactForce(model_.get(), data_.get(), contact, force.data());
+    mj_contactForce(&m, &d, contact, force.data());
     return vector(force.data());
   }
 
-  double slip_speed(const mjContact& c) const noexcept {
-    const mjtNum* const v = data_->efc_vel + c.efc_address;
+  double slip_speed(const mjData& d, const mjContact& c) const noexcept {
+    const mjtNum* const v = d.efc_vel + c.efc_address;
     if (spec().contact.cone == FrictionCone::kElliptic) return std::hypot(v[1], v[2]);
     return std::hypot((v[0] - v[1]) / (2 * c.friction[0]), (v[2] - v[3]) / (2 * c.friction[1]));
   }
@@ -250,31 +261,27 @@ class MujocoBackend final : public PhysicsBackend {
     const double top = spec().terrain.field() != nullptr ? spec().terrain.field()->max() + 1 : 1;
     const std::array<mjtNum, 3> from{x, y, top}, down{0, 0, -1};
     constexpr std::array<mjtByte, 6> kTerrainOnly{1, 0, 0, 0, 0, 0};
+    Simulation& simulation = loaded();
+    const mjData& d = simulation.query();
     double distance = -1;
-    in_mujoco(who(),
-              [&] { distance = ray(model_.get(), &query(), from.data(), down.data(), kTerrainOnly.data()); });
+    in_mujoco(simulation.who(), [&] {
+      distance = ray(&simulation.model(), &d, from.data(), down.data(), kTerrainOnly.data());
+    });
     return distance < 0 ? std::numeric_limits<double>::quiet_NaN() : top - distance;
   }
 
-  // A copy of the configuration for questions between steps, so that asking never disturbs the simulation.
-  // Made when the first is asked: most worlds of a training never are.
-  mjData& query() const {
-    if (!query_) {
-      query_ = make_data_without_rows(*model_);
-      mj_kinematics(model_.get(), query_.get());  // where the ground is
-    }
-    return *query_;
-  }
-
+  // Data for questions between steps, with the state of this world, so that asking never disturbs the
+  // simulation.
   const mjData& refreshed_query() const {
-    in_mujoco(who(), [this] {
-      mjData& d = query();
-      mju_copy(d.qpos, data_->qpos, static_cast<int>(model_->nq));
-      mj_kinematics(model_.get(), &d);
-      mj_comPos(model_.get(), &d);
-      find_inertia(model_.get(), &d);
+    Simulation& simulation = loaded();
+    mjData& d = simulation.query();
+    in_mujoco(simulation.who(), [this, &d, m = &simulation.model()] {
+      mju_copy(d.qpos, kept_.qpos(), static_cast<int>(m->nq));
+      mj_kinematics(m, &d);
+      mj_comPos(m, &d);
+      find_inertia(m, &d);
     });
-    return *query_;
+    return d;
   }
 
   Pose do_body_pose(int body) const override {
@@ -286,9 +293,10 @@ class MujocoBackend final : public PhysicsBackend {
 
   Eigen::MatrixXd do_mass_matrix() const override {
     const mjData& d = refreshed_query();
-    const int nv = static_cast<int>(model_->nv), joints = robot().joint_count(), base = nv - joints;
+    const mjModel& m = simulations_->model();
+    const int nv = static_cast<int>(m.nv), joints = robot().joint_count(), base = nv - joints;
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(nv, nv);
-    copy_inertia(model_.get(), &d, M.data());
+    copy_inertia(&m, &d, M.data());
     // Columns of S: MuJoCo's velocities (base: of its centre of mass, and angular in B; joints depth first)
     // per unit of ours.
     Eigen::MatrixXd S = Eigen::MatrixXd::Zero(nv, nv);
@@ -303,7 +311,7 @@ class MujocoBackend final : public PhysicsBackend {
   }
 
   SpatialInertia do_body_inertia(int body) const override {
-    const mjModel& m = *model_;
+    const mjModel& m = simulations_->model();
     const int id = bodies_[static_cast<std::size_t>(body)];
     return from_principal(m.body_mass[id],
                           {make_pose(quaternion(m.body_iquat + 4 * id),
@@ -312,62 +320,47 @@ class MujocoBackend final : public PhysicsBackend {
   }
 
   JointVector do_joint_friction() const override {
+    const mjModel& m = simulations_->model();
     JointVector friction(robot().joint_count());
     for (std::size_t i = 0; i < v_address_.size(); ++i) {
-      friction[static_cast<Eigen::Index>(i)] = model_->dof_frictionloss[v_address_[i]];
+      friction[static_cast<Eigen::Index>(i)] = m.dof_frictionloss[v_address_[i]];
     }
     return friction;
   }
 
   JointRanges do_joint_limits() const override {
+    const mjModel& m = simulations_->model();
     JointRanges limits(robot().joint_count());
     for (int i = 0; i < robot().joint_count(); ++i) {
-      const int id = model_->dof_jntid[v_address_[static_cast<std::size_t>(i)]];
-      if (model_->jnt_limited[id] == 0) continue;
-      limits.lower[i] = model_->jnt_range[2 * id];
-      limits.upper[i] = model_->jnt_range[2 * id + 1];
+      const int id = m.dof_jntid[v_address_[static_cast<std::size_t>(i)]];
+      if (m.jnt_limited[id] == 0) continue;
+      limits.lower[i] = m.jnt_range[2 * id];
+      limits.upper[i] = m.jnt_range[2 * id + 1];
     }
     return limits;
   }
 
-  // Positions and velocities alone do not continue bit for bit: the solver starts from the last acceleration.
-  void do_save(std::vector<double>& engine) const override {
-    const mjModel& m = *model_;
-    const mjData& d = *data_;
-    engine.assign(d.qpos, d.qpos + m.nq);
-    engine.insert(engine.end(), d.qvel, d.qvel + m.nv);
-    engine.insert(engine.end(), d.qacc_warmstart, d.qacc_warmstart + m.nv);
-    engine.insert(engine.end(), m.body_pos + 3 * base_body_, m.body_pos + 3 * base_body_ + 3);
-    engine.insert(engine.end(), m.body_quat + 4 * base_body_, m.body_quat + 4 * base_body_ + 4);
-    engine.push_back(d.time);
-  }
+  void do_save(std::vector<double>& engine) const override { engine = kept_.numbers(); }
 
   void do_restore(const std::vector<double>& engine) override {
-    const mjModel& m = *model_;
-    mjData& d = *data_;
-    in_mujoco(who(), [this] { mj_resetData(model_.get(), data_.get()); });
-    const double* next = engine.data();
-    const auto take = [&next](mjtNum* to, auto count) {
-      mju_copy(to, next, static_cast<int>(count));
-      next += count;
-    };
-    take(d.qpos, m.nq);
-    take(d.qvel, m.nv);
-    take(d.qacc_warmstart, m.nv);
-    take(m.body_pos + 3 * base_body_, 3);
-    take(m.body_quat + 4 * base_body_, 4);
-    take(&d.time, 1);
+    kept_.set(engine);
+    ++revision_;
+  }
+
+  static std::uint64_t next_id() noexcept {
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
   }
 
   bool takes_bias_away_;
-  mutable TerrainCollision collision_;  // questions between steps look for no contacts
-  ModelPtr model_;
-  DataPtr data_;
-  mutable DataPtr query_;
-  std::vector<ShapeOwner> owners_;           // per MuJoCo geom
-  std::vector<int> bodies_;                  // MuJoCo body of each of ours
-  std::vector<int> q_address_, v_address_;   // of each joint
-  std::vector<int> servo_tendons_;           // of each joint, -1 unless its servo is implicit
+  std::shared_ptr<WorldGroup> group_;  // outlives the next, which is its part
+  std::shared_ptr<Simulations> simulations_;
+  KeptState kept_;
+  std::uint64_t id_ = next_id(), revision_ = 0;  // of this world; grows with every change of `kept_`
+  std::vector<ShapeOwner> owners_;               // per MuJoCo geom
+  std::vector<int> bodies_;                      // MuJoCo body of each of ours
+  std::vector<int> q_address_, v_address_;       // of each joint
+  std::vector<int> servo_tendons_;               // of each joint, -1 unless its servo is implicit
   std::vector<double> servo_accelerations_;  // by tendon, rad/s^2: where its servo would make no more torque
   int terrain_geom_ = -1, base_body_ = -1;
 };

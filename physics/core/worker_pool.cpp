@@ -21,11 +21,15 @@ void wait_while(const std::atomic<std::size_t>& value, std::size_t old) noexcept
   value.wait(old, std::memory_order_acquire);
 }
 
+thread_local std::size_t this_worker = 0;
+
 }  // namespace
+
+std::size_t WorkerPool::worker() noexcept { return this_worker; }
 
 WorkerPool::WorkerPool(std::size_t workers) : process_(::getpid()) {
   try {
-    for (std::size_t i = 1; i < workers; ++i) threads_->emplace_back([this] { serve(); });
+    for (std::size_t i = 1; i < workers; ++i) threads_->emplace_back([this, i] { serve(i); });
   } catch (const std::system_error& error) {
     stop();  // those that did start, or joining them would never end
     throw std::runtime_error(fmt::format("worker threads: {} of {} could be started: {}", threads_->size(),
@@ -47,7 +51,8 @@ void WorkerPool::stop() noexcept {
   round_.notify_all();
 }
 
-void WorkerPool::serve() noexcept {
+void WorkerPool::serve(std::size_t worker) noexcept {
+  this_worker = worker;
   for (std::size_t seen = 0;; ++seen) {
     wait_while(round_, seen);
     if (stop_) return;
@@ -86,7 +91,9 @@ void WorkerPool::run(std::size_t count, Call call, const void* function) {
   busy_ = threads_->size();
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();
+  const std::size_t outside = std::exchange(this_worker, 0);  // of a pool that runs this one
   work();
+  this_worker = outside;
   for (std::size_t busy = busy_.load(); busy != 0; busy = busy_.load()) wait_while(busy_, busy);
   if (error_) std::rethrow_exception(error_);
 }

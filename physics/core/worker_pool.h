@@ -27,6 +27,8 @@ class WorkerPool {
   WorkerPool& operator=(WorkerPool&&) = delete;
 
   std::size_t workers() const noexcept { return threads_->size() + 1; }
+  /// Returns which worker of its pool calls, below workers(): 0 is the caller of `run`, and any other thread.
+  static std::size_t worker() noexcept;
 
   /// Calls function(0) ... function(count - 1) and returns when all are done. Allocates nothing. Throws what
   /// the call of lowest index threw, after all others are done.
@@ -41,7 +43,7 @@ class WorkerPool {
   using Call = void (*)(const void* function, std::size_t index);
   void run(std::size_t count, Call call, const void* function);
   void work() noexcept;
-  void serve() noexcept;
+  void serve(std::size_t worker) noexcept;
   void stop() noexcept;
 
   // Written by the caller between rounds; a change of `round_` hands them to the workers.

@@ -70,6 +70,7 @@ std::vector<std::string> shared_parts(const EngineInfo& a, const EngineInfo& b) 
 
 PhysicsBackend::PhysicsBackend(WorldSpec spec) : spec_(std::move(spec)) {
   spec_.validate();
+  spec_.group = nullptr;  // whoever makes a world of this specification makes one that is apart
   actuated_ = spec_.robot->actuated_joints();
   drives_ = Drives(*spec_.robot, spec_.physics_dt);
   const int n = spec_.robot->joint_count();

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "physics/engine/world_group.h"
 #include "physics/robot/robot.h"
 #include "physics/terrain/terrain.h"
 
@@ -25,6 +26,7 @@ struct WorldSpec {
   bool fixed_base = false;              ///< weld the base to the world where reset puts it
   ContactSpec contact;
   SolverSpec solver;
+  std::shared_ptr<WorldGroup> group = {};  ///< that a world is made for; PhysicsBackend::spec() has none
 
   /// Makes the time constants of contact and of the robot's soft joints and loops those that the law has in
   /// steps of `dt` (s; time_constant_in_steps): what is simulated in such steps, and still is in shorter

@@ -1,0 +1,106 @@
+// MuJoCo's model and data, in which the worlds that share them take turns.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "backends/mujoco/engine_call.h"
+#include "backends/mujoco/model.h"
+#include "backends/mujoco/terrain_collision.h"
+
+namespace crossgait::mujoco {
+
+/// Is all that the next step of a world hangs on, in MuJoCo's own order: qpos, qvel, qacc_warmstart (from
+/// which the solver starts), place and attitude of a base that does not move, time.
+class KeptState {
+ public:
+  explicit KeptState(const mjModel& model);
+
+  std::span<mjtNum> qpos() noexcept { return std::span(numbers_).first(nq_); }
+  std::span<mjtNum> qvel() noexcept { return std::span(numbers_).subspan(nq_, nv_); }
+  std::span<mjtNum> warmstart() noexcept { return std::span(numbers_).subspan(nq_ + nv_, nv_); }
+  mjtNum* base_position() noexcept { return numbers_.data() + nq_ + 2 * nv_; }
+  mjtNum* base_attitude() noexcept { return base_position() + 3; }
+  mjtNum& time() noexcept { return numbers_.back(); }
+
+  const mjtNum* qpos() const noexcept { return numbers_.data(); }
+  const mjtNum* qvel() const noexcept { return numbers_.data() + nq_; }
+  const mjtNum* base_position() const noexcept { return numbers_.data() + nq_ + 2 * nv_; }
+  const mjtNum* base_attitude() const noexcept { return base_position() + 3; }
+
+  /// Puts all joints to zero and everything to rest, the base where the model has it.
+  void clear(const mjModel& model, int base_body);
+  const std::vector<double>& numbers() const noexcept { return numbers_; }
+  /// @param numbers  of another of the same model
+  void set(const std::vector<double>& numbers) noexcept;
+
+ private:
+  std::size_t nq_, nv_;
+  std::vector<double> numbers_;
+};
+
+/// Says which state of which world is in a simulation; 0: none.
+struct Occupant {
+  std::uint64_t world = 0, state = 0;
+  bool operator==(const Occupant&) const = default;
+};
+
+/// Holds what a step takes: the model, data, and what finds contacts. For one thread at a time.
+class Simulation {
+ public:
+  /// @param terrain  has to outlive this
+  Simulation(ModelPtr model, const WorldSpec& spec, const Terrain& terrain);
+
+  mjModel& model() noexcept { return *model_; }
+  const mjModel& model() const noexcept { return *model_; }
+  mjData& data() noexcept { return *data_; }
+  /// Returns data without contacts, for questions between steps. Made when the first is asked: most worlds of
+  /// a training never are. @throws std::runtime_error
+  mjData& query();
+  TerrainCollision& collision() noexcept { return collision_; }
+  CalledFor who() noexcept { return {model_.get(), &collision_}; }
+
+  /// Makes `state` the one that is simulated next, unless it is in here. Allocates nothing.
+  void load(const Occupant& who, const KeptState& state, int base_body) noexcept;
+  /// Takes what a step has made of it. @param now  whose and which it is
+  void store(const Occupant& now, KeptState& state) noexcept;
+  /// Says that MuJoCo left the data as they must not be used.
+  void spoil() noexcept {
+    occupant_ = {};
+    spoilt_ = true;
+  }
+
+ private:
+  ModelPtr model_;
+  DataPtr data_, query_;
+  TerrainCollision collision_;
+  Occupant occupant_;
+  bool spoilt_ = false;
+};
+
+/// Holds the simulations of worlds that are alike, one for each thread that steps them.
+class Simulations {
+ public:
+  /// Returns those of the world's group, if that has the same robot, ground and settings; else one of its
+  /// own.
+  /// @param engine  that asks: its name
+  /// @throws ConfigError if MuJoCo refuses the model, std::runtime_error if it fails otherwise (memory)
+  static std::shared_ptr<Simulations> of(const WorldSpec& spec, const std::string& engine);
+
+  /// Returns that of the calling thread.
+  Simulation& here() noexcept { return *all_[group_ == nullptr ? 0 : group_->thread()]; }
+  const mjModel& model() const noexcept { return all_.front()->model(); }
+
+ private:
+  Simulations(const WorldSpec& spec, std::size_t threads);
+  bool are_of(const WorldSpec& spec) const;
+
+  WorldSpec spec_;
+  std::string xml_;
+  const WorldGroup* group_ = nullptr;  // which owns this
+  std::vector<std::unique_ptr<Simulation>> all_;
+};
+
+}  // namespace crossgait::mujoco
