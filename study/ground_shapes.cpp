@@ -16,7 +16,7 @@ namespace {
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kOnBorder = 1e-9;     // m: what stands on a border is on it
 constexpr double kSmallestGap = 1e-3;  // m: parts that are nearer are one
-constexpr double kMostLooks = 1e8;     // samples under shapes, each as often as there are: six seconds
+constexpr double kMostLooks = 2e7;     // samples under shapes, each as often as there are: a second
 
 using MaybeHeights = std::optional<HeightRange>;
 

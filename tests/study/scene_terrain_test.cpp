@@ -185,7 +185,7 @@ TEST_F(SdfGrounds, WhatIsNoGroundIsRefusedOrLeftOut) {
   std::string many;
   for (int i = 0; i < 30; ++i)
     many += "<geometry><box><size>400 400 1</size></box></geometry>|";  // each over 4001 x 4001 samples
-  EXPECT_EQ(refused(many + "<geometry/>"), "at most 1e+08 samples under shapes together, so larger cells");
+  EXPECT_EQ(refused(many + "<geometry/>"), "at most 2e+07 samples under shapes together, so larger cells");
   EXPECT_EQ(refused("<geometry><sphere><radius>-1</radius></sphere></geometry>"), "a number above 0");
   EXPECT_EQ(refused("<geometry><plane><normal>0 0 -1</normal></plane></geometry>"),
             "a plane that faces upwards");
