@@ -110,8 +110,11 @@ TEST(OptionsOfAnEnvironment, ChangeWhatTheyNameAndNothingElse) {
       {"--episode-seconds 3", {"episode_seconds: 3"}},
       {"--command .1,.2,.3", {"command: {vx: 0.1, vy: 0.2, yaw_rate: 0.3}"}},
   };
-  if (const std::string last = available_engines().back(); last != available_engines().front())
-    options.push_back({"--engine " + last, {"engine: " + last}});
+  for (const std::string& engine : available_engines()) {
+    const bool quoted = engine.find('@') != std::string::npos;
+    if (engine != available_engines().front())
+      options.push_back({"--engine " + engine, {"engine: " + (quoted ? "'" + engine + "'" : engine)}});
+  }
   for (const auto& [typed, lines] : options) {
     const ProgramResult changed = run_program("env --yaml " + typed);
     EXPECT_EQ(changed.exit_code, 0) << typed << ": " << changed.err;

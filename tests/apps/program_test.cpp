@@ -147,8 +147,11 @@ TEST(Program, CompletesCommandsOptionsAndValues) {
   EXPECT_EQ(completed("crossgait walk --gait pr"), "pronk\n");
   EXPECT_EQ(completed("crossgait walk --terminat"), "--terminations\n");
   const std::string engine = available_engines().front();
-  EXPECT_EQ(completed("crossgait compare --engines none," + engine), "none," + engine + "\n")
-      << "behind a comma, too";
+  std::string alike;  // mujoco and mujoco@4.0.0
+  for (const std::string& other : available_engines()) {
+    if (other.starts_with(engine)) alike += "none," + other + "\n";
+  }
+  EXPECT_EQ(completed("crossgait compare --engines none," + engine), alike) << "behind a comma, too";
   const std::string fish = run_program("completion fish").out;
   for (const char* command : {"walk", "compare", "verdict", "completion"})
     EXPECT_NE(fish.find(std::string("__fish_use_subcommand -f -a ") + command), std::string::npos) << command;
