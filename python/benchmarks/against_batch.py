@@ -264,6 +264,7 @@ def main() -> int:
     parser.add_argument("--engine", default="mujoco@4.0.0")
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--steps", type=int, default=1600, help="policy steps of a turn, of all environments together")
+    parser.add_argument("--least", type=float, default=0, help="fail where the ratio with 64 environments is below")
     parser.add_argument("--json", metavar="FILE", help="write the figures there")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -283,7 +284,10 @@ def main() -> int:
         figures = same | measure(options, contenders(model, config))
     if options.json:
         Path(options.json).write_text(json.dumps(figures, indent=1) + "\n")
-    return 0
+    slow = [row["of"] for row in figures["ratios"] if "NumPy" in row["to"] and row["quartiles"][1] < options.least]
+    if slow:
+        print(f"FAILED: below {options.least} of mujoco.batch: {', '.join(slow)}")
+    return 1 if slow else 0
 
 
 if __name__ == "__main__":
