@@ -147,7 +147,9 @@ void ServedEngine::read_info(std::string_view text, std::string_view stamp) {
   reader.read("library", "the name of its library", info_.library);
   reader.read("version", "the version of its library", info_.version);
   reader.read("mode", "its contact mode in words", info_.mode);
+  bool own_dynamics = false;
   reader.read("equations", "true or false", equations_);
+  reader.read("own_dynamics", "true or false", own_dynamics);
   reader.read("contact_margin", "a length, m", margin_);
   if (info_.library.empty()) reader.fail("library", "the name of its library", "none");
   if (!(margin_ >= 0)) reader.fail("contact_margin", "a length, m", fmt::format("{}", margin_));
@@ -165,7 +167,7 @@ void ServedEngine::read_info(std::string_view text, std::string_view stamp) {
   reader.finish();
   if (!stamp.empty()) info_.version += fmt::format("{}{}", info_.version.empty() ? "" : "+", stamp);
   info_.capabilities.allocates = true;  // of its memory nobody knows here
-  if (equations_) info_.own_parts = {"equations of motion", "soft loops"};
+  if (equations_ && !own_dynamics) info_.own_parts = {"equations of motion", "soft loops"};
 }
 
 bool ServedEngine::answers(std::string_view what) const {

@@ -84,6 +84,15 @@ TEST_F(ServedEngines, AnHonestOneFalls) {
               1e-12);  // rounding of 100 additions
 }
 
+// What two engines agree in because Crossgait's code is in both is no evidence, so it has to be told apart.
+TEST_F(ServedEngines, WhoTakesThePointsAloneSharesNoEquationsOfMotion) {
+  const auto parts = [](const std::string& how) {
+    return find_served_engine("python:" + file_of("hello", how))->info.own_parts;
+  };
+  EXPECT_EQ(parts("equations"), (std::vector<std::string>{"equations of motion", "soft loops"}));
+  EXPECT_TRUE(parts("equations, its own dynamics").empty());
+}
+
 void expect_errors(std::initializer_list<Fault> faults, double limit) {
   setenv(kServedLimitVariable, std::to_string(limit).c_str(), 1);
   for (const Fault& fault : faults) {

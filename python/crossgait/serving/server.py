@@ -36,6 +36,7 @@ def serve_engine(
     mode: str = "",
     capabilities: Mapping[str, bool | str] | None = None,
     contact_margin: float | None = None,
+    own_dynamics: bool = False,
 ) -> None:
     """Serve an engine to the program that began this one; the last line of the file that is the engine.
 
@@ -47,6 +48,7 @@ def serve_engine(
         mode: of its contacts, in words
         capabilities: what holds, as docs/adding-an-engine.md has it; `precision` "float64" or "float32"
         contact_margin: it takes `world.equations()` of every step, with points up to so far above the ground, m
+        own_dynamics: it takes nothing but the points of them: its equations of motion are its own
 
     """
     places = os.environ.pop(VARIABLE, None)
@@ -64,6 +66,7 @@ def serve_engine(
         "answers": [what for method, what in OPTIONAL.items() if hasattr(engine, method)],
         "equations": contact_margin is not None,
         "contact_margin": contact_margin or 0.0,
+        "own_dynamics": own_dynamics,
     }
     _Server(places, engine, said).run()
 

@@ -53,6 +53,8 @@ struct Server {
                         {"answers", {"contacts", "mass_matrix"}}};
     if (fault == "protocol") said["protocol"] = 99;
     if (fault == "unknown key") said["laws"]["contacts"] = "none";
+    if (fault.starts_with("equations")) said["equations"] = true;
+    if (fault == "equations, its own dynamics") said["own_dynamics"] = true;
     if (fault == "precision") said["capabilities"] = {{"precision", "float16"}};
     set_text(fault == "no json" ? "{" : said.dump());
   }
