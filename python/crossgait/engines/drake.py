@@ -1,8 +1,8 @@
 """Drake's MultibodyPlant in discrete time: compliant point contact by its solver SAP, loops as its ball constraints.
 
-`pip install drake`. What it does not simulate it refuses: ground that is no plane (Drake's point contact takes a mesh
-for its convex hull), and couplings that are not linear. Limits of joints and dry friction in them are left out and not
-declared.
+`pip install 'crossgait[drake]'`. What it does not simulate it refuses: ground that is no plane (Drake's point contact
+takes a mesh for its convex hull), and couplings that are not linear. Limits of joints and dry friction in them are left
+out and not declared.
 """
 
 from __future__ import annotations
@@ -11,27 +11,30 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import (
-    AddContactMaterial,
-    CollisionFilterDeclaration,
-    Cylinder,
-    GeometrySet,
-    HalfSpace,
-    ProximityProperties,
-    Sphere,
-)
-from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import (
-    AddMultibodyPlant,
-    CoulombFriction,
-    ExternallyAppliedSpatialForce,
-    MultibodyPlantConfig,
-)
-from pydrake.multibody.tree import FixedOffsetFrame, RevoluteJoint, SpatialInertia, UnitInertia
-from pydrake.systems.framework import DiagramBuilder
 
+from crossgait.extras import needed_for
 from crossgait.serving import Array, EngineContact, EngineState, ServedWorld, rotated, serve_engine
+
+with needed_for("worlds in Drake", "drake"):
+    from pydrake.geometry import (
+        AddContactMaterial,
+        CollisionFilterDeclaration,
+        Cylinder,
+        GeometrySet,
+        HalfSpace,
+        ProximityProperties,
+        Sphere,
+    )
+    from pydrake.math import RigidTransform, RotationMatrix
+    from pydrake.multibody.math import SpatialForce
+    from pydrake.multibody.plant import (
+        AddMultibodyPlant,
+        CoulombFriction,
+        ExternallyAppliedSpatialForce,
+        MultibodyPlantConfig,
+    )
+    from pydrake.multibody.tree import FixedOffsetFrame, RevoluteJoint, SpatialInertia, UnitInertia
+    from pydrake.systems.framework import DiagramBuilder
 
 CORNER = 1e-6  #: radius of the spheres in the place of corners and vertices, m: Drake finds one point a shape
 

@@ -1,0 +1,102 @@
+"""Engines that come with the package and run in processes of their own: each where its library is installed."""
+
+import importlib.util
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import crossgait
+
+ROOT = Path(__file__).resolve().parents[2]
+LIBRARIES = {"drake": "pydrake", "mujoco_warp": "mujoco_warp", "newton": "newton", "newton_kamino": "newton"}
+
+
+def is_missing(name):
+    return importlib.util.find_spec(LIBRARIES[name]) is None
+
+
+def marked(*names):
+    return [
+        pytest.param(
+            f"python:{name}",
+            id=name,
+            marks=pytest.mark.skipif(is_missing(name), reason=f"{LIBRARIES[name]} is not installed"),
+        )
+        for name in names
+    ]
+
+
+@pytest.fixture(autouse=True)
+def _this_python(monkeypatch):
+    monkeypatch.setenv("CROSSGAIT_PYTHON", sys.executable)
+    monkeypatch.setenv("CROSSGAIT_ENGINE_TIMEOUT", "600")  # Warp compiles what it has not compiled before
+
+
+def stand(world, steps):
+    robot = crossgait.Robot.load("serial_quadruped")
+    home = [world.state.q[i] for i in robot.servo_indices]
+    assert world.step(home, steps) == "ok"
+
+
+@pytest.mark.parametrize("engine", marked(*LIBRARIES))
+def test_it_stands_and_goes_on_to_the_same_bits(engine):
+    world = crossgait.World("serial_quadruped", engine=engine)
+    stand(world, 40)
+    feet = world.foot_contacts
+    assert all(foot.touching for foot in feet)
+    assert sum(contact.force[2] for contact in world.contacts) > 0.2 * 9.81 * 5  # it falls into its servos yet
+    saved = world.save()
+    ends = []
+    for _ in range(2):
+        world.restore(saved)
+        stand(world, 10)
+        ends.append(world.state.qpos.tobytes())
+    assert ends[0] == ends[1]
+
+
+@pytest.mark.parametrize("engine", marked("mujoco_warp", "newton", "newton_kamino"))
+def test_it_holds_the_robots_inertia_and_poses(engine):
+    world = crossgait.World("scara_quadruped", engine=engine)
+    by_hand = crossgait.World("scara_quadruped", engine=crossgait.available_engines()[0])
+    for body in range(len(world.state.q) + 1):
+        assert world.body_pose(body) == pytest.approx(by_hand.body_pose(body), abs=1e-5)
+    M = by_hand.mass_matrix()
+    assert abs(world.mass_matrix() - M).max() < 1e-5 * abs(M).max()
+
+
+@pytest.mark.parametrize("engine", marked("mujoco_warp"))
+@pytest.mark.parametrize("terrain", ["flat", "rough"])
+def test_mujoco_warp_follows_mujoco(engine, terrain):
+    if "mujoco" not in crossgait.available_engines():
+        pytest.skip("without MuJoCo among the engines there is nothing to hold it against")
+    worlds = [crossgait.World("serial_quadruped", terrain, engine=name) for name in ("mujoco", engine)]
+    for _ in range(4):
+        for world in worlds:
+            stand(world, 25)
+        here, there = (world.state for world in worlds)
+        # Rounding of 100 steps in float32; forces that differ by a thousandth move it a hundred times as far.
+        assert np.abs(here.qpos - there.qpos).max() < 1e-5
+
+
+@pytest.mark.parametrize("engine", marked("newton_kamino"))
+def test_kamino_refuses_coupled_joints(engine, tmp_path):
+    text = (ROOT / "models/robots/serial_quadruped/robot.urdf").read_text()
+    knee = text.index("</joint>", text.index('<joint name="FL_knee"'))
+    robot = tmp_path / "robot.urdf"
+    robot.write_text(f'{text[:knee]}<mimic joint="FL_hip_pitch" multiplier="-2"/>{text[knee:]}')
+    with pytest.raises(crossgait.ConfigError, match="Kamino has no coupled joints"):
+        crossgait.World(crossgait.Robot.load(robot), engine=engine)
+
+
+@pytest.mark.parametrize("name", LIBRARIES)
+def test_a_missing_library_says_how_it_is_installed(name):
+    library = LIBRARIES[name]
+    program = f"import runpy, sys; sys.modules['{library}'] = None; runpy.run_module('crossgait.engines.{name}')"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    extra = {"newton_kamino": "newton", "mujoco_warp": "mujoco-warp"}.get(name, name)
+    assert re.search(rf"need {library}[.\w]*: pip install 'crossgait\[{extra}\]'", done.stderr)
