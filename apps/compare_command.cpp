@@ -11,6 +11,7 @@
 #include "apps/interruption.h"
 #include "apps/page_option.h"
 #include "apps/policy_option.h"
+#include "apps/step_cost.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "parity/answer.h"
@@ -152,6 +153,7 @@ void run(const CompareCommand& options) {
       {WalkOptions::subject(loaded), engines, {{"--engines", engines}}, traces_of(options, engines)});
   options.page.check(config);
   std::vector<RunRecording> recordings = recordings_of(options, loaded.world, engines);
+  note_cost(engines, loaded.world, config.timing);
   Stages stages;
   const WalkComparison result =
       compare_walks(loaded, engines, options.compare, stages.progress(), sinks_of(recordings));

@@ -6,6 +6,7 @@
 #include "apps/interruption.h"
 #include "apps/page_option.h"
 #include "apps/policy_option.h"
+#include "apps/step_cost.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "parity/answer.h"
@@ -67,6 +68,7 @@ void run(const WalkCommand& options) {
   std::vector<RunRecording> recordings;
   recordings.emplace_back(loaded.world.robot, options.trace, options.page.asked());
 
+  note_cost({options.engine}, loaded.world, config.timing);
   ProgressLine progress(fmt::format("{} in {}", config.gait.name(), options.engine));
   const auto world = find_engine(options.engine).make(loaded.world);
   const WalkRun run = record_walk(

@@ -1,5 +1,6 @@
 """Engines that Python files serve: they run by name, and what they do wrong names the file and the line."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -91,6 +92,15 @@ def test_nan_is_a_divergence(served):
         "serial_quadruped", engine=served("self.now = self.now._replace(p_WB=self.now.p_WB * np.nan)")
     )
     assert world.step([0.0] * 12) == "diverged"
+
+
+def test_a_long_walk_in_it_says_so_before_it_begins(served):
+    slow = served("import time; time.sleep(.01)")
+    command = [sys.executable, "-m", "crossgait", "walk", "--robot", "serial_quadruped", "--engine", slow]
+    with subprocess.Popen([*command, "--seconds", "60"], stderr=subprocess.PIPE, text=True) as walk:
+        notes = [walk.stderr.readline(), walk.stderr.readline()]  # of consent, and this
+        walk.kill()
+    assert re.search(r"takes [\d.]+ ms a step: about [\d.]+ (min|h) for the 60500 steps of this walk", notes[1])
 
 
 def test_by_hand_it_says_what_it_is(served):
