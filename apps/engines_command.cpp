@@ -83,7 +83,8 @@ void add_engines_command(CLI::App& program, Invocation& invocation) {
       "\nEngines are plug-ins, libcrossgait_engine_<name>.so. Those in the folders that the environment\n"
       "variable CROSSGAIT_ENGINE_PATH lists, separated by colons, come before the ones of the installation.\n"
       "Beside them python:FILE.py is the engine that a Python file serves in a process of its own, and\n"
-      "python:drake the one of Crossgait's package (docs/engines-in-processes.md).");
+      "python:drake, python:mujoco_warp, python:newton and python:newton_kamino are those of Crossgait's\n"
+      "package (docs/engines-in-processes.md).");
   auto json = std::make_shared<JsonOption>();
   json->add_to(*command, invocation);
   on_run(*command, [json] { run(*json); });
