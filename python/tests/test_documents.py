@@ -166,6 +166,9 @@ def prepare(folder: Path) -> None:
     (folder / "benchmarks").symlink_to(ROOT / "benchmarks")
 
 
+# Engines of the package, and the libraries without which there are none.
+SERVED = {"python:drake": "pydrake", "python:mujoco_warp": "mujoco_warp", "python:newton": "newton"}
+
 # Commands of a second or two, whatever their options.
 QUICK = {"walk", "compare", "demo", "engines", "ik", "gait", "workspace", "robots", "env", "rerun", "terrain"}
 
@@ -200,7 +203,7 @@ def test_commands_of_documents_run(page: Path, tmp_path: Path) -> None:
                 continue  # a release that is not installed here
             if "physx" in line and "physx" not in crossgait.available_engines():
                 continue  # its library is installed by who wants it
-            if "python:drake" in line and importlib.util.find_spec("pydrake") is None:
+            if any(name in line and importlib.util.find_spec(library) is None for name, library in SERVED.items()):
                 continue  # likewise
             if not os.environ.get("CROSSGAIT_LONG_TESTS") and line.split()[1] not in QUICK:
                 continue

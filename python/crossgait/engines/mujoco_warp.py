@@ -46,11 +46,12 @@ class MujocoWarp:
         self._place, self._turn = self._model.body_pos.numpy()[0], self._model.body_quat.numpy()[0]
         self._force, self._speed = d.efc.force.numpy()[0], d.efc.vel.numpy()[0]
         self._rows_of = d.contact.efc_address.numpy()
-        self._points: list[ContactPoint] = []
-        self._set_contact_law()
+        self._clear()
 
-    def _set_contact_law(self) -> None:
-        """Fill in what all contacts have in common."""
+    def _clear(self) -> None:
+        """Forget what was, and fill in what all contacts have in common, which MuJoCo Warp forgets with them."""
+        mjw.reset_data(self._model, self._data)
+        self._points: list[ContactPoint] = []
         contact, told = self._data.contact, self._world.contact
         twists, rolls = told["condim"] >= 4, told["condim"] >= 6
         friction = (told["friction"], told["torsional_friction"] * twists, told["rolling_friction"] * rolls)
@@ -65,8 +66,7 @@ class MujocoWarp:
 
     def reset(self, state: EngineState) -> None:
         """Put the robot into a state."""
-        mjw.reset_data(self._model, self._data)
-        self._points = []
+        self._clear()
         arm = rotated(state.q_WB, self._centre)
         if self._world.fixed_base:
             base = self._bodies[0]
@@ -127,8 +127,7 @@ class MujocoWarp:
 
     def restore(self, numbers: Array) -> None:
         """Put back what `save` returned, of this or another world."""
-        mjw.reset_data(self._model, self._data)
-        self._points = []
+        self._clear()
         nq, nv, base = self._cpu.nq, self._cpu.nv, self._bodies[0]
         parts = np.split(numbers, np.cumsum((nq, nv, nv, 3)))
         self._qpos[:], self._qvel[:], self._warm[:], self._place[base], self._turn[base] = parts
