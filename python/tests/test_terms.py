@@ -121,7 +121,23 @@ def test_rewards_terminations_and_observations_are_what_the_functions_say() -> N
     assert envs.core.group("critic").shape == (4, 12)
 
 
-def test_a_reward_in_five_lines_trains_and_rolls_out() -> None:
+def test_events_of_mode_step_come_after_each_where_episodes_go_on() -> None:
+    called: list[list[int]] = []
+
+    def remember(env: crossgait.Batch, indices: np.ndarray) -> None:
+        called.append(indices.tolist())
+        env.apply_wrench("trunk", force=(0, 0, 5), indices=indices)  # and it may act
+
+    envs = make(2, terms.Terms(events={"every": terms.EventTerm(remember, "step")}), max_episode_steps=3)
+    envs.reset(seed=1)
+    for step in range(4):
+        envs.step(drawn(envs, step))
+    assert called == [[0, 1], [0, 1]]  # the third ends all episodes, the fourth begins others
+    with pytest.raises(ConfigError, match="startup, reset, step, interval"):
+        terms.Terms(events={"every": terms.EventTerm(remember, "substep")})
+
+
+def test_rewards_of_terms_count_in_rollouts() -> None:
     config = crossgait.with_terms(CONFIG, EVERY)
     rolled = crossgait.rollout("zero", config, episodes=2, workers=2)
     plain = crossgait.rollout("zero", CONFIG, episodes=2)
@@ -268,6 +284,29 @@ def test_ready_terms_are_what_they_say() -> None:
     core.step(np.zeros((2, 12)))
     assert terms.illegal_contact(batch, ["trunk"]).all()
     assert terms.base_height_below(batch, 0.5).all()
+
+
+def test_a_reward_in_five_lines_is_trained_and_judged(tmp_path: Path) -> None:
+    def calm(env: crossgait.Batch) -> np.ndarray:
+        return np.exp(-np.square(env.base_linear_velocity_b[:, 2]) / 0.01)
+
+    mine = terms.Terms(rewards={"calm": terms.RewardTerm(calm, weight=0.5)})
+    asked = {"engines": ["mujoco"], "episodes": 1, "final_episodes": 1, "every": 160}
+    plan = Plan.parse(training.small(steps=160, evaluation=asked, environments=2), "test").with_terms(mine)
+    trainer = Trainer(plan, tmp_path, resume=False)
+    trainer.run()
+    config = trainer.plan.evaluated
+    assert config.terms is mine
+    judged = crossgait.verdict(
+        tmp_path / "last.safetensors",
+        environment=config,
+        engines=crossgait.available_engines()[:2],
+        starts=4,
+    )
+    assert judged.word
+    plain = crossgait.rollout(tmp_path / "last.safetensors", crossgait.with_terms(config, terms.Terms()), episodes=1).to_frame()
+    termed = crossgait.rollout(tmp_path / "last.safetensors", config, episodes=1).to_frame()
+    assert termed["total_reward"].iloc[0] > plain["total_reward"].iloc[0]
 
 
 def test_a_plan_trains_with_terms_and_evaluates_them(tmp_path: Path) -> None:

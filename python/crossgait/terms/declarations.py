@@ -13,7 +13,7 @@ from crossgait.errors import ConfigError
 #: Observation groups: what the policy sees, and what a critic may see besides.
 GROUPS = ("policy", "critic")
 #: When events happen: as environments are made, as an episode begins, or now and then within one.
-MODES = ("startup", "reset", "interval")
+MODES = ("startup", "reset", "step", "interval")
 
 Params = Mapping[str, Any]
 
@@ -54,8 +54,9 @@ class TerminationTerm:
 class EventTerm:
     """Calls `function(env, indices, **params)`, which changes the environments of `indices` (an int array).
 
-    `mode` is "startup" (once, in the first episode), "reset" (as an episode begins, before its first observation) or
-    "interval" (within episodes, after times drawn uniformly from `interval`, s).
+    `mode` is "startup" (once, in the first episode), "reset" (as an episode begins, before its first observation),
+    "step" (after every step of a policy, where the episode goes on) or "interval" (within episodes, after times drawn
+    uniformly from `interval`, s).
     """
 
     function: Callable[..., Any]

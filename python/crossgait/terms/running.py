@@ -42,6 +42,7 @@ class RunningTerms:
         self._started = False
         self._intervals = {name: event for name, event in terms.events.items() if event.mode == "interval"}
         self._due = {name: np.zeros(self._count) for name in self._intervals}
+        self._every_step = [event for event in self.terms.events.values() if event.mode == "step"]
 
     def _own(self, terms: Terms) -> Terms:
         def mine(members: Mapping[str, Any]) -> dict[str, Any]:
@@ -81,7 +82,10 @@ class RunningTerms:
         self._due[name][indices] = self.env.random.uniform(low, high, len(indices))
 
     def change(self, going: Flags) -> None:
-        """Do the events of mode interval that are due, where episodes go on."""
+        """Do the events of mode step, and those of mode interval that are due, where episodes go on."""
+        if self._every_step and len(indices := np.flatnonzero(going)):
+            for event in self._every_step:
+                event.function(self.env, indices, **event.params)
         for name, event in self._intervals.items():
             due = self._due[name]
             due -= self.env.step_dt
