@@ -1,4 +1,4 @@
-"""Tests that each promise of SECURITY.md names tests that are there and that .ci/run runs."""
+"""Tests that each promise of SECURITY.md, and each row of docs/python-answers.md, names tests that are there and that .ci/run runs."""
 
 import re
 import unittest
@@ -53,6 +53,14 @@ class Promises(unittest.TestCase):
         for promise, held_by in self.rows:
             with self.subTest(promise):
                 self.assertEqual(wrong(promise, held_by, self.run_text), [])
+
+    def test_each_answer_of_the_package_is_held_by_a_test(self):
+        page = (ROOT / "docs/python-answers.md").read_text(encoding="utf-8")
+        rows = re.findall(r"^\| \d+ \| .* \| (.+?) \|$", page, re.MULTILINE)
+        self.assertEqual(len(rows), 22)
+        for number, held_by in enumerate(rows, 1):
+            with self.subTest(number):
+                self.assertEqual(wrong(f"row {number}", held_by, self.run_text), [])
 
     def test_sees_what_is_not_there(self):
         file = "tests/view/server_test.cpp"
