@@ -304,7 +304,8 @@ def test_a_reward_in_five_lines_is_trained_and_judged(tmp_path: Path) -> None:
         starts=4,
     )
     assert judged.word
-    plain = crossgait.rollout(tmp_path / "last.safetensors", crossgait.with_terms(config, terms.Terms()), episodes=1).to_frame()
+    without = crossgait.with_terms(config, terms.Terms())
+    plain = crossgait.rollout(tmp_path / "last.safetensors", without, episodes=1).to_frame()
     termed = crossgait.rollout(tmp_path / "last.safetensors", config, episodes=1).to_frame()
     assert termed["total_reward"].iloc[0] > plain["total_reward"].iloc[0]
 

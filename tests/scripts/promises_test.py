@@ -1,4 +1,4 @@
-"""Tests that each promise of SECURITY.md, and each row of docs/python-answers.md, names tests that are there and that .ci/run runs."""
+"""Tests that promises of SECURITY.md, and rows of docs/python-answers.md, name tests that .ci/run runs."""
 
 import re
 import unittest
