@@ -36,9 +36,8 @@ def _this_python(monkeypatch):
     monkeypatch.setenv("CROSSGAIT_ENGINE_TIMEOUT", "600")  # Warp compiles what it has not compiled before
 
 
-def stand(world, steps):
-    robot = crossgait.Robot.load("serial_quadruped")
-    home = [world.state.q[i] for i in robot.servo_indices]
+def stand(world, steps, robot="serial_quadruped"):
+    home = [world.state.q[i] for i in crossgait.Robot.load(robot).servo_indices]
     assert world.step(home, steps) == "ok"
 
 
@@ -58,6 +57,18 @@ def test_it_stands_and_goes_on_to_the_same_bits(engine):
     world.reset()  # with contacts to forget
     stand(world, 40)
     assert world.save().state.qpos.tobytes() == saved.state.qpos.tobytes()
+
+
+@pytest.mark.parametrize("engine", marked("mujoco_warp", "newton"))
+def test_robots_with_loops_go_on_to_the_same_bits(engine):
+    world = crossgait.World("scara_quadruped", engine=engine)
+    stand(world, 20, "scara_quadruped")
+    saved = world.save()
+    stand(world, 5, "scara_quadruped")
+    goes_on = world.state.qpos.tobytes()
+    world.restore(saved)
+    stand(world, 5, "scara_quadruped")
+    assert world.state.qpos.tobytes() == goes_on
 
 
 @pytest.mark.parametrize("engine", marked("mujoco_warp", "newton", "newton_kamino"))

@@ -49,7 +49,7 @@ def model_of(world: ServedWorld) -> mujoco.MjModel:
     spec.compiler.autolimits = False
     spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
     _set_options(spec.option, world)
-    _add_geom(spec.worldbody)
+    _add_geom(spec.worldbody, world)
     bodies: list[Any] = []
     for index in range(len(world.robot["bodies"])):
         bodies.append(_add_body(spec, world, index, bodies))
@@ -74,8 +74,10 @@ def _set_options(option: Any, world: ServedWorld) -> None:
     option.iterations, option.tolerance = world.solver["iterations"], world.solver["tolerance"]
 
 
-def _add_geom(body: Any) -> None:
-    body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[1e-3, 0, 0], contype=0, conaffinity=0)
+def _add_geom(body: Any, world: ServedWorld) -> None:
+    # How many rows a contact may have MuJoCo Warp takes from the geoms.
+    condim = int(world.contact["condim"])
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[1e-3, 0, 0], contype=0, conaffinity=0, condim=condim)
 
 
 def _add_body(spec: Any, world: ServedWorld, index: int, bodies: list[Any]) -> Any:
@@ -95,7 +97,7 @@ def _add_body(spec: Any, world: ServedWorld, index: int, bodies: list[Any]) -> A
         fullinertia=[*np.diag(I_C), I_C[0, 1], I_C[0, 2], I_C[1, 2]],
         explicitinertial=True,
     )
-    _add_geom(body)
+    _add_geom(body, world)
     if index > 0:
         _add_joint(body, world, index - 1, told["joint"])
     elif not world.fixed_base:

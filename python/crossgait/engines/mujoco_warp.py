@@ -121,16 +121,23 @@ class MujocoWarp:
         return EngineContact(*point[:5], frame.T @ force, float(np.hypot(*slip)))
 
     def save(self) -> Array:
-        """Return what a step hangs on: the solver begins with the last acceleration."""
-        base = self._bodies[0]
-        return np.concatenate((self._qpos, self._qvel, self._warm, self._place[base], self._turn[base]), dtype=float)
+        """Return what a step hangs on beside the state.
+
+        The solver begins with the last acceleration, and loops take what motion makes of them from the step before.
+        """
+        return np.concatenate([array.reshape(-1) for array in self._kept()], dtype=float)
+
+    def _kept(self) -> list[Array]:
+        d, base = self._data, self._bodies[0]
+        motion = (a.numpy()[0] for a in (d.cvel, d.cdof_dot, d.subtree_linvel, d.subtree_com, d.cdof))
+        return [self._qpos, self._qvel, self._warm, self._place[base], self._turn[base], *motion]
 
     def restore(self, numbers: Array) -> None:
         """Put back what `save` returned, of this or another world."""
         self._clear()
-        nq, nv, base = self._cpu.nq, self._cpu.nv, self._bodies[0]
-        parts = np.split(numbers, np.cumsum((nq, nv, nv, 3)))
-        self._qpos[:], self._qvel[:], self._warm[:], self._place[base], self._turn[base] = parts
+        kept = self._kept()
+        for array, part in zip(kept, np.split(numbers, np.cumsum([a.size for a in kept])[:-1]), strict=True):
+            array[:] = part.reshape(array.shape)
 
     def body_pose(self, body: int) -> tuple[Array, Array]:
         """Return position and quaternion of a body as MuJoCo Warp has them."""
