@@ -178,6 +178,19 @@ std::string refusal(const fs::path& file, const Folder& folder, std::string_view
   return "";
 }
 
+/// A clock that is set, by hand or by the network, while something waits by it; nothing if there is none.
+/// Only what says on which day something was measured asks it.
+std::string settable_clock(const fs::path& file, std::string_view top, const std::string& code) {
+  if (top == "tests" || file == "benchmarks/machine.cpp") return "";
+  for (const std::string_view clock :
+       {"system_clock", "high_resolution_clock", "clock_realtime", "gettimeofday", "std::time(",
+        "time(nullptr)", "last_write_time", "st_mtim"}) {
+    if (code.find(clock) != std::string::npos)
+      return "time is told by steady_clock, which nobody sets, and not by " + std::string(clock);
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<Violation> check_file(const fs::path& file, std::string_view text) {
@@ -204,8 +217,9 @@ std::vector<Violation> check_file(const fs::path& file, std::string_view text) {
     if (links && opens && (links_engine(header) || opens_plugins(header))) {
       report("a program that is linked to an engine opens no plug-in");
     }
+    const std::string code = code_of(line);
+    if (const std::string clock = settable_clock(file, top, code); !clock.empty()) report(clock);
     if (!folder->knows_engines) {
-      const std::string code = code_of(line);
       for (const std::string_view word : engine_words) {
         if (code.find(word) != std::string::npos) report(top + " may not mention " + std::string(word));
       }

@@ -123,6 +123,16 @@ TEST(Layering, GaitAndIkKnowNoEngine) {
                {"env/a.h", "#include \"physics/engine/physics_backend.h\"", true}});
 }
 
+TEST(Layering, NothingWaitsByAClockThatIsSet) {
+  expect_rule({{"physics/core/a.cpp", "auto end = std::chrono::steady_clock::now() + limit;", true},
+               {"physics/core/a.cpp", "auto end = std::chrono::system_clock::now() + limit;", false},
+               {"view/a.cpp", "clock_gettime(CLOCK_REALTIME, &now);", false},
+               {"apps/a.cpp", "if (fs::last_write_time(path) < limit) {", false},
+               {"study/a.cpp", "  // not by system_clock", true},
+               {"benchmarks/machine.cpp", "  const std::time_t time = std::time(nullptr);", true},
+               {"benchmarks/a.cpp", "  const std::time_t time = std::time(nullptr);", false}});
+}
+
 TEST(Layering, AnIncludeIsFoundOnABareCheckout) {
   const fs::path root = CROSSGAIT_SOURCE_DIR;
   const auto lost = [&](std::string_view text) {
