@@ -3,14 +3,13 @@
 #include <array>
 #include <csignal>
 
+#include "physics/core/interruption.h"
 #include "physics/core/progress.h"
 
 namespace crossgait::apps {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
-
-extern "C" void remember_interruption(int) { interrupted = 1; }
+extern "C" void remember_interruption(int) { interruption_is_asked = true; }
 
 }  // namespace
 
@@ -27,7 +26,7 @@ void listen_for_interruption() {
 }
 
 void check_interruption() {
-  if (interrupted != 0) throw Interrupted();
+  if (interruption_is_asked) throw Interrupted();
 }
 
 }  // namespace crossgait::apps

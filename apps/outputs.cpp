@@ -16,6 +16,7 @@
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
 #include "physics/core/fit_text.h"
+#include "physics/core/locked_file.h"
 
 namespace crossgait::apps {
 namespace {
@@ -111,6 +112,12 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::
   return command.add_option(name, value, help)->type_name("FILE")->group(kOutputs);
 }
 
+std::vector<InputGuard::Output> files_written(const CLI::App& command) {
+  std::vector<InputGuard::Output> files;
+  for (const NamedFile& output : outputs_of(command)) files.push_back({output.option, output.path});
+  return files;
+}
+
 void check_outputs(const CLI::App& command) {
   const std::vector<NamedFile> outputs = outputs_of(command);
   check_each_its_own(outputs);
@@ -118,7 +125,9 @@ void check_outputs(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_group() != kOutputs || !names_file(*option)) continue;
     for (const std::string& path : option->results()) {
-      if (path != "-") check_writable(path);
+      if (path == "-") continue;
+      // What a store holds stays; its writer is another, with words of its own.
+      option->get_type_name() == kStoreType ? check_appendable(path) : check_writable(path);
     }
   }
 }

@@ -12,6 +12,7 @@
 
 #include "motion/gait_source.h"
 #include "physics/core/files_read.h"
+#include "physics/core/input_guard.h"
 #include "physics/robot/robot.h"
 #include "study/provenance.h"
 
@@ -24,12 +25,16 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::
 
 /// Whatever an option changes about how a command runs, but not about its result.
 inline constexpr const char* kOutputs = "Outputs";
+/// Type name of outputs that are added to, and not replaced.
+inline constexpr const char* kStoreType = "FILE.jsonl";
 inline constexpr const char* kExecution = "Execution";
 
 /// Checks, before a command does anything, that every file that it is to write can be written, is another
 /// than each further one by whatever name, and is none that an option names to be read. @throws ConfigError
 /// naming the option
 void check_outputs(const CLI::App& command);
+/// Lists the files that options name to be written.
+std::vector<InputGuard::Output> files_written(const CLI::App& command);
 /// Describes a file whose name a command makes of an option's value, one for each engine for example.
 struct DerivedOutput {
   std::string option, path;
@@ -43,6 +48,7 @@ template <typename Run>
 void on_run(CLI::App& command, Run run) {
   command.callback([&command, run] {
     check_outputs(command);
+    const InputGuard guard(files_written(command));
     const FilesRead files;  // which `with_files_read` asks for
     run();
   });

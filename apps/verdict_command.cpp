@@ -184,7 +184,7 @@ void add_judge_options(CLI::App& command, VerdictCommand& options) {
       command, "--runs", options.judge.stored_runs,
       "Take runs that this file holds, and add those that it does not: a verdict that was stopped "
       "goes on, one that is repeated costs nothing")
-      ->type_name("FILE.jsonl");
+      ->type_name(kStoreType);
 }
 
 }  // namespace

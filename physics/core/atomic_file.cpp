@@ -2,20 +2,28 @@
 
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <climits>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "physics/core/error.h"
 #include "physics/core/folder.h"
+#include "physics/core/input_guard.h"
+#include "physics/core/interruption.h"
+#include "physics/core/locked_file.h"
+#include "physics/core/progress.h"
 
 namespace crossgait {
 namespace {
@@ -58,6 +66,16 @@ void remove_left_over(const fs::path& folder) {
   }
 }
 
+constexpr std::chrono::milliseconds kSlice{20};  // by which a signal is noticed late
+
+/// Waits until a pipe takes more, or its reader is gone, which writing tells. @throws Interrupted
+void wait_until_taken(int file) {
+  constexpr int kPatience = 50;  // slices in which a slow reader is given what was done before the signal
+  pollfd watched{file, POLLOUT, 0};
+  for (int late = 0; ::poll(&watched, 1, static_cast<int>(kSlice.count())) <= 0;)
+    if (interruption_is_asked && ++late > kPatience) throw Interrupted();
+}
+
 }  // namespace
 
 std::string place_of_output(const std::string& path) {
@@ -78,27 +96,48 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
   // What /dev/stdout and a shell's >(...) lead to may have no name.
   place_ = special_ ? path_ : place_of_output(path_);
   if (special_) {
-    target_ = place_;
-    file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
-    if (file_ < 0) fail(errno);
+    open_special();
   } else {
     open_temporary();
   }
 }
 
+/// Never waiting in a call of the system's, which a signal that has a handler would not end.
+void AtomicFile::open_special() {
+  target_ = place_;
+  while (true) {
+    file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file_ >= 0) return;
+    struct stat status {};
+    const int code = errno;
+    const bool is_unread = code == ENXIO && ::stat(target_.c_str(), &status) == 0 && S_ISFIFO(status.st_mode);
+    if (!is_unread && code != EINTR) fail(code);
+    if (interruption_is_asked) throw Interrupted();
+    std::this_thread::sleep_for(kSlice);
+  }
+}
+
+void AtomicFile::check_replaced() const {
+  InputGuard::check_output(place_);
+  if (const std::optional<std::string> writer = writer_of(place_))
+    throw ConfigError(path_, "output file", "a file that nobody is writing", *writer);
+}
+
 void AtomicFile::open_temporary() {
+  check_replaced();
   const fs::path place = place_;
   remove_left_over(place.has_parent_path() ? place.parent_path() : fs::path("."));
   while (true) {
     target_ = (place.parent_path() / temporary_name(place.filename().string())).string();
     constexpr mode_t kMode = 0666;  // less the umask, like any other file
-    file_ = ::open(target_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+    file_ = ::open(target_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
     if (file_ < 0) {
       target_.clear();
       fail(errno);
     }
-    // Says that its writer lives. Whoever removes what is left over may have had the lock first.
-    ::flock(file_, LOCK_EX);
+    // Says that its writer lives. Whoever removes what is left over may have had the lock first. Shared: it
+    // is still held when the file is in its place, where another output that replaces it is no offence.
+    ::flock(file_, LOCK_SH);
     struct stat status {};
     if (::fstat(file_, &status) != 0) fail(errno);
     if (status.st_nlink > 0) return;
@@ -132,6 +171,8 @@ void AtomicFile::flush() {
     const ssize_t written = ::write(file_, rest.data(), rest.size());
     if (written >= 0) {
       rest.remove_prefix(static_cast<std::size_t>(written));
+    } else if (special_ && errno == EAGAIN) {
+      wait_until_taken(file_);
     } else if (errno != EINTR) {
       fail(errno);
     }
@@ -141,7 +182,10 @@ void AtomicFile::flush() {
 
 void AtomicFile::commit() {
   flush();
-  if (!special_ && ::fsync(file_) != 0) fail(errno);
+  if (!special_) {
+    if (::fsync(file_) != 0) fail(errno);
+    check_replaced();
+  }
   // Under the lock, which ends when it is closed. What could fail then has been found by fsync.
   if (!special_ && std::rename(target_.c_str(), place_.c_str()) != 0) fail(errno);
   if (::close(std::exchange(file_, -1)) != 0 && special_) fail(errno);

@@ -13,26 +13,34 @@ std::string place_of_output(const std::string& path);
 /// Writes a file piece by piece into a temporary in the same folder, renamed to `path` when it is whole:
 /// readers, and a program killed half-way, see the old file or the new one. A symbolic link stays; what it
 /// leads to is replaced. Where `path` exists and is no regular file (a pipe, /dev/null), it is written to
-/// directly.
+/// directly; a pipe that nobody reads is waited for, as shells do, until a signal ends that
+/// (`interruption_is_asked`): then it throws Interrupted.
+///
+/// Never replaced are a file whose lock somebody holds (`LockedFile`: a store that is being written), and one
+/// that the command has read (`InputGuard`): both are looked for here, and again when the file is put in its
+/// place.
 ///
 /// A program that was killed leaves its temporary, NAME.crossgait-PID-NUMBER.tmp. The next that is made in
 /// the folder removes those whose lock (`flock`) nobody holds.
 class AtomicFile {
  public:
-  /// @throws ConfigError if the path is empty, or the folder does not exist or is not writable
+  /// @throws ConfigError if the path is empty, the folder does not exist or is not writable, or the file may
+  /// not be replaced
   explicit AtomicFile(std::string path);
   /// Removes what was not committed.
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// @throws ConfigError if the device is full
+  /// @throws ConfigError if the device is full, Interrupted of a pipe that takes nothing
   void write(std::string_view bytes);
   /// Puts the whole file in its place. @throws ConfigError if it cannot; nothing is left then
   void commit();
 
  private:
+  void open_special();
   void open_temporary();
+  void check_replaced() const;
   void flush();
   [[noreturn]] void fail(int code);
 

@@ -14,6 +14,7 @@
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
+#include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
 
 namespace crossgait {
@@ -92,7 +93,18 @@ std::size_t LockedFile::size() const {
   return static_cast<std::size_t>(status.st_size);
 }
 
+void LockedFile::check_place() const {
+  struct stat status {};
+  if (::fstat(file_, &status) != 0) fail(errno);
+  if (is_at(path_, status)) return;
+  struct stat now {};
+  throw ConfigError(path_, "file", "the file that was opened, at its path as long as it is written",
+                    fmt::format("{}: what was added since is lost",
+                                ::stat(path_.c_str(), &now) == 0 ? "another in its place" : "none"));
+}
+
 std::size_t LockedFile::append(std::string_view bytes) {
+  check_place();
   const std::size_t before = size();
   std::size_t written = 0;
   while (written < bytes.size()) {
@@ -125,6 +137,23 @@ void LockedFile::sync() {
   if (::fsync(file_) != 0) fail(errno);
   dirty_ = false;
   synced_ = std::chrono::steady_clock::now();
+}
+
+void check_appendable(const std::string& path) {
+  struct stat status {};
+  ::stat(path.c_str(), &status) == 0 ? static_cast<void>(LockedFile(path)) : check_writable(path);
+}
+
+std::optional<std::string> writer_of(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return std::nullopt;
+  std::optional<std::string> writer;
+  struct stat status {};
+  if (::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && ::flock(file, LOCK_SH | LOCK_NB) != 0 &&
+      errno == EWOULDBLOCK)
+    writer = holder_of(status);
+  ::close(file);
+  return writer;
 }
 
 }  // namespace crossgait

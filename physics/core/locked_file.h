@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -28,8 +29,12 @@ class LockedFile {
 
   /// Appends all of `bytes` or nothing. Once it returns, the bytes outlive this process; within two seconds
   /// of further pieces, a power cut. @returns where they begin, bytes from the file's beginning
-  /// @throws ConfigError if there is no room, or the file cannot be written
+  /// @throws ConfigError if there is no room, the file cannot be written, or as `check_place`
   std::size_t append(std::string_view bytes);
+
+  /// Checks that the file is at its path still: programs that ask for no lock remove or replace it, and what
+  /// is appended then is nowhere. @throws ConfigError if it is not
+  void check_place() const;
 
   /// Cuts off what stands behind the first `size` bytes, of `expected`.
   /// @throws ConfigError if the file has another size than `expected`: then somebody writes it without asking
@@ -45,5 +50,14 @@ class LockedFile {
   bool dirty_ = false;
   std::chrono::steady_clock::time_point synced_ = std::chrono::steady_clock::now();
 };
+
+/// Checks, before the work, that a LockedFile could be opened there. Leaves nothing behind, and a file as it
+/// is.
+/// @throws ConfigError as it does
+void check_appendable(const std::string& path);
+
+/// Says in words who holds the lock of a regular file (`LockedFile`); nothing if nobody does, there is none,
+/// or it cannot be told.
+std::optional<std::string> writer_of(const std::string& path);
 
 }  // namespace crossgait

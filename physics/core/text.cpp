@@ -13,6 +13,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
+#include "physics/core/input_guard.h"
 
 namespace crossgait {
 namespace {
@@ -93,6 +94,7 @@ std::string read_text_file(const std::string& path, const ReadBudget& budget) {
   }
   text.resize(used);
   FilesRead::note(path, text);
+  InputGuard::note_read(path);
   return text;
 }
 

@@ -24,12 +24,14 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Where to write what is to be at `path`: it is moved there at the end, or is gone if something goes wrong.
 
     What a symbolic link leads to is replaced, not the link; what is no file (a device) is written to. What processes
-    that were killed have left in the folder is removed. Raises OSError.
+    that were killed have left in the folder is removed. Raises OSError; and ConfigError of a file whose lock somebody
+    holds, a store that is being written.
     """
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_file():
         yield target
         return
+    _check_not_locked(target, path)
     _remove_left_over(target.parent)
     # A folder, so that the file is made by whoever writes it, with the permissions of any other file.
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".crossgait-", suffix=".tmp") as folder:
@@ -37,9 +39,26 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
         try:
             beside = Path(folder) / target.name
             yield beside
+            _check_not_locked(target, path)  # it may have become one meanwhile
             os.replace(beside, target)
         finally:
             os.close(held)
+
+
+def _check_not_locked(target: Path, path: str | os.PathLike[str]) -> None:
+    """Raise ConfigError if somebody holds the lock of what is to be replaced, as `LockedFile` of the core does."""
+    try:
+        file = os.open(target, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    except OSError:
+        return  # there is none, or writing says what is wrong
+    try:
+        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
+            found = f"one that {_holder(file)} is writing"
+            raise ConfigError(os.fspath(path), "output file", "a file that nobody is writing", found) from error
+    finally:
+        os.close(file)
 
 
 def _hold(folder: str) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import signal
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 
 KILLED = """
@@ -44,6 +46,23 @@ def test_what_a_link_leads_to_is_written(tmp_path: Path) -> None:
 def test_a_device_is_written_to() -> None:
     with written_whole("/dev/null") as beside:
         assert beside == Path("/dev/null")
+
+
+def test_a_file_that_somebody_is_writing_is_left(tmp_path: Path) -> None:
+    file = tmp_path / "rows.jsonl"
+    with file.open("w") as held:
+
+        def write() -> None:
+            with written_whole(file) as beside:
+                fcntl.flock(held, fcntl.LOCK_EX)  # while it is being written
+                beside.write_text("table")
+
+        with pytest.raises(ConfigError, match="a file that nobody is writing"):
+            write()
+        with pytest.raises(ConfigError, match=f"process {os.getpid()} is writing"), written_whole(file):
+            pass
+    assert [path.name for path in tmp_path.iterdir()] == ["rows.jsonl"]
+    assert file.read_text() == ""
 
 
 def test_what_a_killed_writer_left_is_removed(tmp_path: Path) -> None:

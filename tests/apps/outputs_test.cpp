@@ -7,8 +7,10 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "backends/registry.h"
+#include "physics/core/locked_file.h"
 #include "physics/robot_files/data_path.h"
 #include "tests/apps/run_program.h"
 
@@ -150,6 +152,43 @@ TEST(Outputs, AreNoneOfTheInputs) {
   fs::remove_all("outputs_robot");
   fs::remove("outputs_map.csv");
   fs::remove("outputs_gait.json");
+}
+
+// What no option names is found out when it is read, and at the latest when it would be written over.
+TEST(Outputs, AreNoneOfTheFilesThatInputsName) {
+  const fs::path from = fs::path(CROSSGAIT_SOURCE_DIR) / "models/policies/serial_joints",
+                 to = "outputs_policy/serial_joints";
+  fs::remove_all("outputs_policy");
+  fs::create_directories(to);
+  for (const char* name : {"serial_joints.safetensors", "environment.yaml"})
+    fs::copy_file(from / name, to / name);
+  for (const char* name : {"serial_joints.safetensors", "environment.yaml"}) {
+    const std::string file = (to / name).string(), before = read_file(file);
+    for (const std::string option : {"--report", "--json", "--write"})
+      expect_bad_input("diagnose ./outputs_policy/serial_joints --no-search " + option + " " + file,
+                       {option, file, "a file that is not read"});
+    EXPECT_TRUE(read_file(file) == before) << file;
+  }
+  fs::remove_all("outputs_policy");
+}
+
+TEST(Outputs, AreNoStoreThatIsBeingWritten) {
+  LockedFile store("outputs_store.jsonl");
+  expect_bad_input("walk" + kEndless + "--json outputs_store.jsonl",
+                   {"outputs_store.jsonl: output file", "a file that nobody is writing"});
+  expect_bad_input("verdict" + kEndless + "--runs outputs_store.jsonl", {"one writer at a time"});
+  expect_bad_input("verdict" + kEndless + "--runs .", {".: file: expected a regular file, found a folder"});
+  fs::remove("outputs_store.jsonl");
+}
+
+TEST(Outputs, APipeThatNobodyReadsIsLeftAtASignal) {
+  fs::remove("outputs_pipe");
+  ASSERT_EQ(::mkfifo("outputs_pipe", 0600), 0);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const ProgramResult result = run_watched("walk --seconds .1 --json outputs_pipe", signal, 0.05);
+    EXPECT_EQ(result.exit_code, 130) << result.err;
+  }
+  fs::remove("outputs_pipe");
 }
 
 TEST(Outputs, AFileThatBecomesTooLargeIsAnErrorThatLeavesNothing) {

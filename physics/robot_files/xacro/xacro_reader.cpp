@@ -11,6 +11,7 @@
 #include "physics/core/consent.h"
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
+#include "physics/core/input_guard.h"
 #include "physics/core/python_program.h"
 #include "physics/core/read_budget.h"
 #include "physics/core/text.h"
@@ -62,6 +63,8 @@ for argument in sys.argv[2:]:
     declares = re.compile(r"<xacro:arg\b[^>]*\bname\s*=\s*[\"']%s[\"']" % re.escape(name))
     if not any(declares.search(open(file, encoding="utf-8", errors="replace").read()) for file in files):
         sys.exit("no <xacro:arg name=\"%s\"> in %s" % (name, ", ".join(files)))
+for file in files:
+    print("crossgait reads " + os.path.abspath(file), file=sys.stderr)
 )python";
 
 constexpr ChildLimits kLimits{std::chrono::seconds(kXacroSeconds), kUrdfBudget.bytes};
@@ -74,6 +77,13 @@ std::string reason_of(const std::string& errors) {
   if (lines.empty()) return "nothing said";
   const bool is_traceback = lines.front().starts_with("Traceback");
   return is_traceback ? std::string(lines.back()) : fmt::format("{}", fmt::join(lines, "; "));
+}
+
+/// What it included is read as well, by another process: no output may be one of these files.
+void note_files(std::string_view errors) {
+  constexpr std::string_view kReads = "crossgait reads ";
+  for (const std::string_view line : parts_of(errors, "\n"))
+    if (line.starts_with(kReads)) InputGuard::note_read(std::string(line.substr(kReads.size())));
 }
 
 std::string expanded(const std::string& path, const FileArguments& arguments) {
@@ -101,6 +111,7 @@ std::string expanded(const std::string& path, const FileArguments& arguments) {
   }
   if (done->exit_code != 0)
     throw ConfigError(path, "xacro", "a file that xacro expands", reason_of(done->errors));
+  note_files(done->errors);
   return std::move(done->out);
 }
 

@@ -4,6 +4,7 @@
 #include <climits>
 #include <csignal>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,6 +16,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "physics/core/interruption.h"
+#include "physics/core/locked_file.h"
+#include "physics/core/progress.h"
 #include "tests/physics/core/config_error.h"
 #include "tests/physics/core/scratch_folder.h"
 
@@ -101,6 +105,37 @@ TEST_F(AtomicFile, WritesIntoPipesWithoutAName) {
   EXPECT_EQ(::read(ends[0], bytes.data(), bytes.size()), 7);
   EXPECT_STREQ(bytes.data(), "through");
   for (const int end : ends) ::close(end);
+}
+
+// A signal that has a handler ends no call of the system's by itself.
+TEST_F(AtomicFile, WaitsForTheReaderOfAPipeUntilASignalSaysNo) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  std::thread reader([this] { EXPECT_EQ(read(path("pipe")), "through"); });
+  write_file_atomically(path("pipe"), "through");
+  reader.join();
+  interruption_is_asked = true;
+  EXPECT_THROW(write_file_atomically(path("pipe"), "x"), Interrupted) << "nobody reads";
+  const int idle = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  EXPECT_THROW(write_file_atomically(path("pipe"), std::string(1 << 20, 'x')), Interrupted) << "it is full";
+  ::close(idle);
+  interruption_is_asked = false;
+}
+
+TEST_F(AtomicFile, ReplacesNoFileThatSomebodyIsWriting) {
+  const std::string us = "one that process " + std::to_string(::getpid()) + " is writing";
+  crossgait::AtomicFile output(path("store"));
+  output.write("page");
+  LockedFile store(path("store"));
+  store.append("row");
+  for (const auto& write :
+       {std::function([&] { write_file_atomically(path("store"), "page"); }),
+        std::function([&] { check_writable(path("store")); }), std::function([&] { output.commit(); })}) {
+    const ConfigError error = config_error(write);
+    EXPECT_EQ(error.expected(), "a file that nobody is writing");
+    EXPECT_EQ(error.found(), us);
+  }
+  store.append("s");
+  EXPECT_EQ(read(path("store")), "rows");
 }
 
 TEST_F(AtomicFile, WritesWhatALinkLeadsTo) {
