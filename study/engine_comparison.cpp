@@ -188,6 +188,7 @@ EngineComparison judge_engines(const LoadedBehaviour& loaded, const std::vector<
   EngineComparison result =
       judge_engines(with_store(behaviour, loaded, store), loaded.world(), engines, options, progress);
   result.starts_held = held;
+  store->check_place();
   return result;
 }
 

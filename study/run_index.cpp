@@ -161,7 +161,7 @@ void RunIndex::scan() {
     }
     if (rest.size() > kRunBudget.bytes) add_line(rest, covered_);  // which says so
     if (count == 0) {
-      if (!rest.empty() && is_torn_row(rest)) {
+      if (!rest.empty() && is_torn_row(rest, rows_ > 0)) {
         torn_bytes_ = rest.size();
       } else if (!rest.empty()) {
         lacks_line_end_ = true;

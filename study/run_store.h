@@ -42,6 +42,9 @@ class RunStore {
   /// Appends it, unless it is there. May be called from several threads. Once it returns, the run is stored,
   /// whatever becomes of this process. @throws ConfigError if it cannot be written, and as `stored_run`
   void add(const nlohmann::json& run, const RunResult& result);
+  /// Checks that what was added is at its path, as nobody does who only destroys it. @throws ConfigError if
+  /// the file was removed or replaced
+  void check_place() const { file_.check_place(); }
 
  private:
   std::optional<RunResult> look_up(std::uint64_t hash) const;

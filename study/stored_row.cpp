@@ -148,9 +148,14 @@ StoredRow read_stored_row(std::string_view line, const std::string& path, std::s
   return row;
 }
 
-bool is_torn_row(std::string_view line) {
-  constexpr std::string_view kBegin = R"({"hash":")";
-  if (line.substr(0, kBegin.size()) != kBegin.substr(0, line.size())) return false;
+bool is_torn_row(std::string_view line, bool has_rows_before) {
+  constexpr std::string_view kBegin = R"({"hash":"0123456789abcdef","run":{)", kDigits = "0123456789abcdef";
+  constexpr std::size_t kHashAt = 9, kHashEnd = kHashAt + 16;
+  if (!has_rows_before && line.size() <= kHashEnd) return false;
+  for (std::size_t i = 0; i < std::min(line.size(), kBegin.size()); ++i) {
+    const bool is_digit = i >= kHashAt && i < kHashEnd;
+    if (is_digit ? kDigits.find(line[i]) == std::string_view::npos : line[i] != kBegin[i]) return false;
+  }
   std::istringstream text{std::string(line)};
   ordered_json value;
   try {

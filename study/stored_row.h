@@ -24,7 +24,9 @@ StoredRow read_stored_row(std::string_view line, const std::string& path, std::s
 std::optional<std::uint64_t> parse_run_hash(std::string_view text) noexcept;
 
 /// Tells whether a last line without end is what the writer of a row leaves that is stopped on its way: the
-/// beginning of a row, as `stored_run` writes it, and no whole value behind which something else stands.
-bool is_torn_row(std::string_view line);
+/// beginning of a row, as `stored_run` writes it, as far as it goes, and no whole value behind which
+/// something else stands. Of a file that has no row before it, the whole of the hash has to be there:
+/// `{"hash":"my` is somebody's.
+bool is_torn_row(std::string_view line, bool has_rows_before);
 
 }  // namespace crossgait

@@ -128,6 +128,11 @@ def _others(row: bytes) -> list[bytes]:
         b"\x7fELF\x00\x01\x02\xff",
         row + b"notes",
         row + bytes(9),
+        row + b'{"hash":"my',
+        b'{"hash":"my dict',
+        b'{"hash":"0123456789abcdef',
+        b'{"hash":"0123456789abcdef","my":[',
+        b"{",
     ]
 
 
@@ -138,6 +143,27 @@ def test_a_file_that_is_something_else_is_left_as_it_is(serial: list[bytes], tmp
         with pytest.raises(ConfigError, match="expected a stored run"):
             RowFile(file)
         assert file.read_bytes() == other
+
+
+@pytest.mark.parametrize("replaced", [True, False])
+def test_a_store_that_is_replaced_or_removed_meanwhile_is_an_error(
+    serial: list[bytes], tmp_path: Path, replaced: bool
+) -> None:
+    file = tmp_path / "rows.jsonl"
+
+    def write(rows_after: int) -> None:
+        with RowFile(file) as rows:
+            rows.add(serial[0].decode().strip())
+            file.unlink()
+            if replaced:
+                file.write_text("somebody's")
+            for row in serial[1 : 1 + rows_after]:
+                rows.add(row.decode().strip())
+
+    for rows_after in (0, 1):
+        file.unlink(missing_ok=True)
+        with pytest.raises(ConfigError, match="what was added since is lost"):
+            write(rows_after)
 
 
 def test_what_another_program_wrote_is_not_cut_off(serial: list[bytes], tmp_path: Path) -> None:

@@ -269,12 +269,43 @@ TEST_F(StoredRuns, AFileThatIsSomethingElseIsLeftAsItIs) {
                                                     "ELF\0\1\2\xff",
                                                     8),
                                         row + "\nnotes",
+                                        row + "\n" + R"({"hash":"my)",
+                                        row + "\n" + R"({"hash":"0123456789abcdef","notes)",
+                                        R"({"hash":"my dict)",
+                                        R"({"hash":"0123456789abcde)",
+                                        R"({"hash":"0123456789abcdef)",
+                                        R"({"hash":"0123456789abcdef","my":[)",
+                                        "{",
                                         row + "\n" + std::string(9, '\0'),
                                         "{\n"};
   for (const std::string& other : others) {
     write("runs.jsonl", other);
     EXPECT_THROW(RunStore{file()}, ConfigError) << other;
     EXPECT_EQ(read(file()), other);
+  }
+}
+
+TEST_F(StoredRuns, AFirstRowThatWasCutOffIsKnownByItsHash) {
+  six(1);
+  const std::string whole = read(file());
+  for (const std::size_t kept : {std::size_t{26}, std::size_t{30}, whole.size() - 2}) {
+    std::filesystem::resize_file(file(), kept);
+    six(1);
+    EXPECT_EQ(read(file()), whole) << kept;
+  }
+}
+
+TEST_F(StoredRuns, ThatAreReplacedOrRemovedMeanwhileAreAnError) {
+  for (const bool replaced : {true, false}) {
+    RunStore store(file());
+    store.add(to_json(run_of(0)), result({"distance"}, {1}));
+    store.check_place();
+    std::filesystem::remove(file());
+    if (replaced) write("runs.jsonl", "somebody's");
+    EXPECT_EQ(config_error([&] { store.check_place(); }).found(),
+              std::string(replaced ? "another in its place" : "none") + ": what was added since is lost");
+    EXPECT_THROW(store.add(to_json(run_of(1)), result({"distance"}, {1})), ConfigError);
+    std::filesystem::remove(file());
   }
 }
 

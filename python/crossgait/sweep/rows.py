@@ -26,16 +26,21 @@ if TYPE_CHECKING:
 SYNC_SECONDS = 2.0  #: what a power cut may cost at most
 
 
-_BEGIN = b'{"hash":"'  #: of every row
+_BEGIN = b'{"hash":"0123456789abcdef","run":{'  #: of every row, with any digits
+_HASH = range(9, 25)  #: places of the digits
 
 
-def _is_torn(line: bytes) -> bool:
+def _is_torn(line: bytes, has_rows_before: bool) -> bool:
     """Whether a last line without end is what the writer of a row leaves that is stopped on its way.
 
-    That is the beginning of a row, and no whole value behind which something else stands.
+    That is the beginning of a row as far as it goes, and no whole value behind which something else stands. Of a file
+    that has no row before it, the whole of the hash has to be there: `{"hash":"my` is somebody's.
     """
-    if line[: len(_BEGIN)] != _BEGIN[: len(line)]:
+    if not has_rows_before and len(line) <= _HASH.stop:
         return False
+    for i, (found, byte) in enumerate(zip(line, _BEGIN, strict=False)):
+        if found not in b"0123456789abcdef" if i in _HASH else found != byte:
+            return False
     try:
         json.JSONDecoder().raw_decode(line.decode(errors="replace"))
     except ValueError:
@@ -47,7 +52,7 @@ def _whole_lines(path: Path) -> Iterator[tuple[bytes, dict[str, Any]]]:
     """Lines with what they say; a last one may lack its end, and is none if it was cut off. Raises ConfigError."""
     with path.open("rb") as file:
         for number, line in enumerate(file, 1):
-            if not line.endswith(b"\n") and _is_torn(line):
+            if not line.endswith(b"\n") and _is_torn(line, number > 1):
                 return
             try:
                 row = json.loads(line)
@@ -94,12 +99,26 @@ class RowFile:
     ) -> None:
         try:
             self.sync()
+            if kind is None:
+                self._check_place()
         finally:
             os.close(self._file)  # and with it the lock
+
+    def _check_place(self) -> None:
+        """Programs that ask for no lock remove or replace a file, and what is appended then is nowhere."""
+        opened = os.fstat(self._file)
+        try:
+            found = "another in its place" if not os.path.samestat(opened, os.stat(self.path)) else ""
+        except OSError:
+            found = "none"
+        if found:
+            expected = "the file that was opened, at its path as long as it is written"
+            raise ConfigError(str(self.path), "file", expected, f"{found}: what was added since is lost")
 
     def add(self, row: str) -> None:
         """Append a row, whole or not at all; once it returns, the row outlives this process. Raises ConfigError."""
         said = json.loads(row)
+        self._check_place()
         if self._torn:
             self._cut(self._torn.start, self._torn.stop)
             self._torn = range(0)
