@@ -1,23 +1,84 @@
 #include "physics/core/temporary_folder.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdlib>
+#include <string_view>
 #include <system_error>
 
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include "physics/core/error.h"
+#include "physics/core/folder.h"
 
 namespace crossgait {
+namespace {
+
+namespace fs = std::filesystem;
+
+int open_folder(const fs::path& path) {
+  return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+}
+
+/// Tells of "crossgait-1234-aBcD12".
+bool is_ours(std::string_view name) {
+  constexpr std::string_view kBeginning = "crossgait-";
+  constexpr std::size_t kRandom = 6;  // of mkdtemp
+  if (!name.starts_with(kBeginning)) return false;
+  name.remove_prefix(kBeginning.size());
+  const std::size_t dash = name.find_first_not_of("0123456789");
+  return dash != 0 && dash != std::string_view::npos && name[dash] == '-' &&
+         name.size() - dash - 1 == kRandom &&
+         std::all_of(name.begin() + static_cast<std::ptrdiff_t>(dash) + 1, name.end(),
+                     [](unsigned char c) { return std::isalnum(c) != 0; });
+}
+
+/// Removes folders of programs that are gone. What is in them is ours to remove, links as links.
+void remove_left_over(const fs::path& among) {
+  for (const std::string& name : names_in_folder(among.string())) {
+    if (!is_ours(name)) continue;
+    const int folder = open_folder(among / name);
+    if (folder < 0) continue;
+    struct stat status {};
+    std::error_code ignored;
+    if (::fstat(folder, &status) == 0 && status.st_uid == ::geteuid() &&
+        ::flock(folder, LOCK_EX | LOCK_NB) == 0)
+      fs::remove_all(among / name, ignored);
+    ::close(folder);
+  }
+}
+
+}  // namespace
 
 TemporaryFolder::TemporaryFolder(const std::string& command) {
-  std::string path = (std::filesystem::temp_directory_path() / "crossgait-XXXXXX").string();
+  remove_left_over(fs::temp_directory_path());
+  while (!make(command)) {
+  }
+}
+
+bool TemporaryFolder::make(const std::string& command) {
+  std::string path = (fs::temp_directory_path() / fmt::format("crossgait-{}-XXXXXX", ::getpid())).string();
   if (::mkdtemp(path.data()) == nullptr)
     throw ConfigError(command, path, "a folder that can be made", std::generic_category().message(errno));
   path_ = path;
+  lock_ = open_folder(path_);
+  // Whoever removes what is left over may have had the lock first.
+  ::flock(lock_, LOCK_SH);
+  std::error_code error;
+  if (fs::exists(path_, error)) return true;
+  ::close(lock_);
+  return false;
 }
 
 TemporaryFolder::~TemporaryFolder() {
   std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
+  fs::remove_all(path_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 }  // namespace crossgait

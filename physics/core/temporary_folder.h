@@ -6,9 +6,14 @@
 
 namespace crossgait {
 
+/// Makes a folder among temporary files, crossgait-PID-XXXXXX, for its owner alone, and removes it at its
+/// end.
+///
+/// A program that was killed leaves its folder. The next that makes one removes those of the same user whose
+/// lock (`flock`) nobody holds; where a file system has no locks on folders, nothing is removed.
 class TemporaryFolder {
  public:
-  /// Makes one for its owner alone. @throws ConfigError naming `command`
+  /// @throws ConfigError naming `command`
   explicit TemporaryFolder(const std::string& command);
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;
@@ -20,7 +25,11 @@ class TemporaryFolder {
   std::string file(const std::string& name) const { return (path_ / name).string(); }
 
  private:
+  /// Makes a folder and takes its lock. @returns whether it is there still
+  bool make(const std::string& command);
+
   std::filesystem::path path_;
+  int lock_ = -1;  ///< the folder, open: says that its owner lives
 };
 
 }  // namespace crossgait
