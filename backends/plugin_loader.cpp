@@ -76,6 +76,7 @@ std::string refusal(const EnginePlugin* plugin) {
                        header, library);
   }
   if (plugin->engines().empty()) return "it offers no engine";
+  plugin->families();
   return "";
 }
 
@@ -102,6 +103,31 @@ std::string refusal_unopened(const std::string& file) {
       return fmt::format("it is cut off: it has {} bytes, and names more", size);
   }
   return "";
+}
+
+/// Opens a file in this process, and asks it what it offers.
+LoadedPlugin open_plugin(const std::string& file) {
+  LoadedPlugin result{file, nullptr, ""};
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    result.reason = last_error(file);
+    return result;
+  }
+  void* function = dlsym(library, kPluginFunction);
+  if (function == nullptr) {
+    result.reason = fmt::format("it is no engine of Crossgait: it has no function {}", kPluginFunction);
+    return result;
+  }
+  try {
+    const EnginePlugin* plugin = reinterpret_cast<decltype(&crossgait_engine_plugin)>(function)();
+    result.reason = refusal(plugin);
+    if (result.reason.empty()) result.plugin = plugin;
+  } catch (const std::exception& failure) {
+    result.reason = failure.what();
+  } catch (...) {
+    result.reason = "it threw what is no exception of the standard library";
+  }
+  return result;
 }
 
 bool is_folder(const fs::path& path) {
@@ -136,35 +162,34 @@ std::vector<std::string> library_folders() {
   return folders;
 }
 
+/// Whether a file lies where the program's own libraries do: it was put there with them.
+bool came_with_program(const std::string& file) {
+  static const std::vector<std::string> kFolders = library_folders();
+  const fs::path folder = fs::path(file).parent_path();
+  return std::any_of(kFolders.begin(), kFolders.end(), [&folder](const std::string& own) {
+    std::error_code error;
+    return fs::equivalent(own, folder, error);
+  });
+}
+
 }  // namespace
 
-LoadedPlugin load_plugin(const std::string& file) {
+LoadedPlugin load_plugin(const std::string& file, std::chrono::milliseconds limit) {
   std::error_code error;
   // A name without a slash would be searched for elsewhere.
   LoadedPlugin result{fs::canonical(file, error).string(), nullptr, ""};
   if (error) return {file, nullptr, error.message()};
   result.reason = refusal_unopened(result.file);
   if (!result.reason.empty()) return result;
-  void* library = dlopen(result.file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) {
-    result.reason = last_error(result.file);
-    return result;
+  if (!came_with_program(result.file)) {
+    try {
+      result.reason = try_in_fork([&] { return open_plugin(result.file).reason; }, limit);
+    } catch (const std::system_error& failure) {
+      result.reason = failure.what();
+    }
+    if (!result.reason.empty()) return result;
   }
-  void* function = dlsym(library, kPluginFunction);
-  if (function == nullptr) {
-    result.reason = fmt::format("it is no engine of Crossgait: it has no function {}", kPluginFunction);
-    return result;
-  }
-  try {
-    const EnginePlugin* plugin = reinterpret_cast<decltype(&crossgait_engine_plugin)>(function)();
-    result.reason = refusal(plugin);
-    if (result.reason.empty()) result.plugin = plugin;
-  } catch (const std::exception& failure) {
-    result.reason = failure.what();
-  } catch (...) {
-    result.reason = "it threw what is no exception of the standard library";
-  }
-  return result;
+  return open_plugin(result.file);
 }
 
 std::vector<std::string> plugin_folders() {

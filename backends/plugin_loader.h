@@ -1,9 +1,11 @@
 // Opens engines' plug-ins (physics/engine/engine_plugin.h) and says why one cannot be used.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
+#include "backends/plugin_trial.h"
 #include "physics/engine/engine_plugin.h"
 
 namespace crossgait {
@@ -17,9 +19,12 @@ struct LoadedPlugin {
 
 /// Opens one file with symbols of its own: two engines, or two versions of one, may carry the same symbols.
 /// Refuses what is no regular file, is cut off, is no plug-in, was built for another interface, throws, or
-/// found another library than its headers'. Opening a file runs its code in this process: what that code does
-/// to it, by giving an address at which nothing is or by never returning, nobody can refuse.
-LoadedPlugin load_plugin(const std::string& file);
+/// found another library than its headers'. Opening a file runs its code in this process. One that did not
+/// come with the program is opened in a fork of it first, so that what damaged or careless code does when it
+/// is opened (a signal, `exit`, waiting for ever) refuses it, and does not end the program; what it does
+/// later nobody can refuse.
+/// @param limit  time that it may take there
+LoadedPlugin load_plugin(const std::string& file, std::chrono::milliseconds limit = kTrialLimit);
 
 /// Lists the folders in which plug-ins are looked for:
 ///  1. those that the environment variable CROSSGAIT_ENGINE_PATH lists, separated by colons;

@@ -1,10 +1,16 @@
 // Plug-ins that are used and plug-ins that are refused, made by plugins/CMakeLists.txt.
+#include <algorithm>
+#include <cfenv>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <functional>
 #include <thread>
 
 #include <dlfcn.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "backends/plugin_loader.h"
 #include "backends/registry.h"
@@ -102,6 +108,63 @@ TEST_F(Plugin, IsRefusedIfItIsCutOff) {
     EXPECT_EQ(loaded.plugin, nullptr);
     EXPECT_EQ(loaded.reason, "it is cut off: it has " + std::to_string(kept) + " bytes, and names more");
   }
+}
+
+// What code does when it is opened, it does to a fork of the program.
+TEST_F(Plugin, IsRefusedForWhatItDoesWhenItIsOpened) {
+  const std::string file = copy("constructor", "constructor");
+  constexpr std::chrono::milliseconds kShort{500};
+  const auto reason = [&](const char* fault, std::chrono::milliseconds limit = kTrialLimit) {
+    setenv("CROSSGAIT_TEST_FAULT", fault, 1);
+    const LoadedPlugin loaded = load_plugin(file, limit);
+    EXPECT_EQ(loaded.plugin, nullptr) << fault;
+    return loaded.reason;
+  };
+  EXPECT_EQ(reason("exit"), "it ended the process in which it was tried");
+  EXPECT_EQ(reason("_exit"), "it ended the process in which it was tried");
+  EXPECT_EQ(reason("abort"), "signal 6 (Aborted) ended the process in which it was tried");
+  EXPECT_EQ(reason("throw"), "signal 6 (Aborted) ended the process in which it was tried");
+  EXPECT_EQ(reason("wait", kShort), "it was not opened within 0.5 s when it was tried");
+  EXPECT_EQ(reason("stop", kShort), "it was not opened within 0.5 s when it was tried");
+  EXPECT_CONTAINS(reason("nothing"), "gives nothing");  // it was opened there, and only there
+  EXPECT_EQ(dlopen(file.c_str(), RTLD_LAZY | RTLD_NOLOAD), nullptr) << "what is refused is not opened here";
+}
+
+TEST_F(Plugin, IsRefusedIfItChangesTheProcess) {
+  const auto with = [](const std::function<void()>& change) {
+    return try_in_fork([&] { return change(), std::string(); });
+  };
+  EXPECT_EQ(with([] {}), "");
+  EXPECT_CONTAINS(with([] { ::feenableexcept(FE_DIVBYZERO); }), "changes how the whole program computes");
+  EXPECT_CONTAINS(with([] { std::fesetround(FE_UPWARD); }), "changes how the whole program computes");
+  EXPECT_CONTAINS(with([] { ::close(STDOUT_FILENO); }), "closes a standard stream");
+}
+
+// As a copy leaves them that was stopped: of the right size, with holes; or with a bit that turned.
+TEST_F(Plugin, IsRefusedOrUsedButEndsNothingIfItIsDamaged) {
+  const std::string whole = read(built("test_1"));
+  constexpr std::size_t kParts = 24;
+  std::size_t refused = 0;
+  for (std::size_t i = 0; i < kParts; ++i) {
+    std::string holed = whole, turned = whole;
+    const std::size_t begin = std::max<std::size_t>(4096, i * whole.size() / kParts);
+    std::fill_n(holed.begin() + static_cast<std::ptrdiff_t>(begin),
+                std::min(whole.size() - begin, whole.size() / kParts), '\0');
+    turned[i * whole.size() / kParts + 100] ^= 0x40;
+    for (const std::string& bytes : {holed, turned}) {
+      const std::string name =
+          "libcrossgait_engine_damaged" + std::to_string(i) + (bytes == holed ? "h.so" : "t.so");
+      std::ofstream(path(name), std::ios::binary) << bytes;
+      // In a process of its own: what was damaged and is used all the same is not to stay in this one.
+      const pid_t child = ::fork();
+      if (child == 0) ::_exit(load_plugin(path(name)).reason.empty() ? 0 : 3);
+      int status = 0;
+      ASSERT_EQ(::waitpid(child, &status, 0), child);
+      EXPECT_TRUE(WIFEXITED(status)) << name;
+      refused += WEXITSTATUS(status) == 3 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(refused, 1U);
 }
 
 TEST_F(Plugin, IsRefusedIfItIsNoFile) {
@@ -218,7 +281,7 @@ TEST_F(Plugin, OneFileIsOpenedOnce) {
   const std::vector<std::string> files =
       plugin_files({folder_.string(), CROSSGAIT_TEST_PLUGINS, CROSSGAIT_TEST_PLUGINS, path("nowhere")});
   EXPECT_EQ(std::count(files.begin(), files.end(), fs::canonical(built("test_1")).string()), 1);
-  EXPECT_EQ(files.size(), 4U);  // test_1, test_2, no_function, unresolved
+  EXPECT_EQ(files.size(), 5U);  // test_1, test_2, no_function, unresolved, constructor
   EXPECT_EQ(plugin_name(files.front()), "test_1");
 }
 
