@@ -63,6 +63,14 @@ std::vector<std::string> environment_with(std::string_view variable, const std::
   return result;
 }
 
+/// Has the system kill a group of processes once the other end of a pipe is closed, which it is when this
+/// process is gone, however it went: nothing has to be done, or be let run, in the group for it.
+void have_group_killed(int pipe, pid_t group) {
+  if (fcntl(pipe, F_SETSIG, SIGKILL) != 0 || fcntl(pipe, F_SETOWN, -group) != 0 ||
+      fcntl(pipe, F_SETFL, O_ASYNC) != 0)
+    throw_system_error(errno, "a served program");
+}
+
 }  // namespace
 
 std::chrono::duration<double> served_limit() {
@@ -138,7 +146,10 @@ void ServedProcess::start(const std::vector<std::string>& command, int socket, i
   const int code = posix_spawnp(&child_, arguments.front().c_str(), actions.get(), &attributes,
                                 spawn_words(arguments).data(), spawn_words(environment).data());
   posix_spawnattr_destroy(&attributes);
-  if (code == 0) return;
+  if (code == 0) {
+    have_group_killed(lifeline, child_);
+    return;
+  }
   child_ = -1;
   if (code == ENOENT)
     throw ConfigError(source_, "program", "a program that can be run (CROSSGAIT_PYTHON names Python)",
@@ -229,20 +240,19 @@ bool ServedProcess::drain(std::size_t& written) {
 // It has closed the socket: ended, or about to.
 std::string ServedProcess::how_it_ended() {
   constexpr int kTries = 100;  // of 5 ms
-  int status = 0;
-  pid_t done = 0;
-  for (int i = 0; i < kTries && done == 0; ++i) {
-    done = waitpid(child_, &status, WNOHANG);
-    if (done == 0) usleep(5000);
+  siginfo_t ended{};
+  for (int i = 0; i < kTries && ended.si_pid == 0; ++i) {
+    // Not reaped, so that its number stays its own, and its group's, until `end`.
+    if (waitid(P_PID, static_cast<id_t>(child_), &ended, WEXITED | WNOHANG | WNOWAIT) != 0) break;
+    if (ended.si_pid == 0) usleep(5000);
   }
   std::size_t written = 0;
   drain(written);
   std::string how = "that it closed its socket";
-  if (done == child_) {
-    child_ = -1;
-    how = WIFSIGNALED(status)
-              ? fmt::format("that signal {} ({}) ended it", WTERMSIG(status), strsignal(WTERMSIG(status)))
-              : fmt::format("that it ended with exit code {}", WEXITSTATUS(status));
+  if (ended.si_pid == child_) {
+    how = ended.si_code == CLD_EXITED
+              ? fmt::format("that it ended with exit code {}", ended.si_status)
+              : fmt::format("that signal {} ({}) ended it", ended.si_status, strsignal(ended.si_status));
   }
   while (output_end_.ends_with('\n')) output_end_.pop_back();
   // Of a traceback the last line says what was wrong.
@@ -285,6 +295,7 @@ void ServedProcess::end() noexcept {
   close_one(output_);
   close_one(memory_file_);
   if (child_ > 0 && !is_of_another_process()) {
+    kill(-child_, SIGKILL);  // its group: what it started as well
     kill(child_, SIGKILL);
     while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
     }

@@ -39,7 +39,8 @@ std::chrono::duration<double> served_limit();
 /// the request; what is asked, or whether it was done); all else is in the memory. Whatever the program does
 /// instead of answering is found out and ends it: ending, closing the socket, taking too long, writing more
 /// than `kMostOutput` within one request, answering what was not asked. What it writes to its outputs is kept
-/// for the message. The program is ended when this object is, and by the system when this process is.
+/// for the message. The program and what it started (its process group) are ended when this object is, and by
+/// the system when this process is.
 class ServedProcess {
  public:
   /// Bytes that a program may write to its outputs within one request.

@@ -194,14 +194,35 @@ TEST_F(ServedEngines, AForkRefuses) {
   EXPECT_EQ(world->step({}), StepStatus::kOk);
 }
 
-// Killed, this side has no time to end its program: the system does, even where that hangs.
-TEST_F(ServedEngines, EndsWithTheProcessThatItServes) {
+/// How many processes of a group live; who has ended and was not waited for (a zombie) does not.
+int lives_of(pid_t group) {
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    std::ifstream about(entry.path() / "stat");
+    std::string id, name, state, parent, its_group;
+    if (about >> id >> name >> state >> parent >> its_group)
+      count += its_group == std::to_string(group) && state != "Z" && state != "X" ? 1 : 0;
+  }
+  return count;
+}
+
+bool becomes(pid_t group, int lives) {
+  for (int i = 0; i < 1000; ++i) {
+    if (lives_of(group) == lives) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+/// Killed, this side has no time to end its program: the system does, whatever that does then.
+void expect_end_of_all(const std::string& request, const std::string& fault, int lives, int signal) {
+  SCOPED_TRACE(request + " " + fault);
   constexpr int kLongLimit = 60;
   int pipe_ends[2];
   ASSERT_EQ(pipe(pipe_ends), 0);
   const pid_t child = fork();
   if (child == 0) {
-    ServedProcess process("a file", {CROSSGAIT_FAULTY_ENGINE, file_of("hello", "hang")}, kServedBytes,
+    ServedProcess process("a file", {CROSSGAIT_FAULTY_ENGINE, file_of(request, fault)}, kServedBytes,
                           Seconds(kLongLimit));
     const pid_t id = process.id();
     if (write(pipe_ends[1], &id, sizeof id) != sizeof id) _exit(1);
@@ -210,24 +231,35 @@ TEST_F(ServedEngines, EndsWithTheProcessThatItServes) {
   }
   pid_t served = 0;
   ASSERT_EQ(read(pipe_ends[0], &served, sizeof served), static_cast<ssize_t>(sizeof served));
+  EXPECT_TRUE(becomes(served, lives));
   std::this_thread::sleep_for(std::chrono::milliseconds(100));  // until it hangs, or it was not asked yet
-  ASSERT_EQ(kill(child, SIGKILL), 0);
+  ASSERT_EQ(kill(child, signal), 0);
   ASSERT_EQ(waitpid(child, nullptr, 0), child);
-  bool gone = false;
-  for (int i = 0; i < 500 && !gone; ++i) {
-    gone = kill(served, 0) != 0;
-    if (!gone) {
-      // Nobody may have taken its exit code: then it is a zombie, which is gone as well.
-      std::ifstream about("/proc/" + std::to_string(served) + "/stat");
-      std::string id, name, state;
-      about >> id >> name >> state;
-      gone = state == "Z";
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  EXPECT_TRUE(gone);
+  EXPECT_TRUE(becomes(served, 0));
   close(pipe_ends[0]);
   close(pipe_ends[1]);
+}
+
+TEST_F(ServedEngines, EndsWithTheProcessThatItServes) {
+  expect_end_of_all("hello", "hang", 1, SIGKILL);
+  expect_end_of_all("start", "hang", 1, SIGKILL);  // it serves nothing yet
+  for (const int signal : {SIGKILL, SIGINT, SIGTERM}) expect_end_of_all("start", "start one", 2, signal);
+}
+
+TEST_F(ServedEngines, WhatTheyStartedEndsWithThem) {
+  pid_t group = 0;
+  {
+    ServedProcess process("a file", {CROSSGAIT_FAULTY_ENGINE, file_of("start", "start one")}, kServedBytes,
+                          Seconds(kLimit));
+    group = process.id();
+    EXPECT_TRUE(becomes(group, 2));
+  }
+  EXPECT_TRUE(becomes(group, 0));
+  ServedProcess process("a file", {CROSSGAIT_FAULTY_ENGINE, file_of("start", "leave one")}, kServedBytes,
+                        Seconds(kShortLimit));
+  group = process.id();
+  EXPECT_FALSE(process.request(static_cast<unsigned>(ServedRequest::kHello), "the beginning"));
+  EXPECT_TRUE(becomes(group, 0));
 }
 
 TEST_F(ServedEngines, WhatIsNoFileOrHasNoConsentIsRefused) {

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import mmap
 import os
 import select
-import signal
 import socket
 import struct
 import sys
@@ -87,10 +85,8 @@ class _Server:
         self._blocks = {name: numbers[place : place + count] for name, (place, count) in agreed["blocks"].items()}
         self._engine: ServableEngine | None = None
         self._sizes = [*STATE_SIZES, 0, 0]
-        # The system ends this process when the other one is gone, whatever this one is doing then.
-        signal.signal(signal.SIGIO, signal.SIG_DFL)
-        fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
-        fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
+        # When the other process is gone, the system kills this one, as it told the system when it began this one. It
+        # may have gone in between.
         if select.select([lifeline], [], [], 0)[0]:
             sys.exit(0)
 

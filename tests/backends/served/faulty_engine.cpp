@@ -25,7 +25,7 @@ namespace {
 
 using namespace crossgait;
 
-constexpr int kSocket = 3, kMemory = 4, kLifeline = 5;
+constexpr int kSocket = 3, kMemory = 4;
 
 struct Server {
   std::byte* memory = nullptr;
@@ -90,6 +90,9 @@ std::size_t do_wrong(Server& server, std::array<std::uint32_t, 4>& answer) {
   if (fault == "exit") std::exit(7);
   if (fault == "kill") std::raise(SIGKILL);
   if (fault == "hang") hang();
+  if (fault == "leave one" && fork() == 0) hang();
+  if (fault == "leave one") std::exit(3);
+  if (fault == "start one") static_cast<void>(fork()), hang();
   if (fault == "close") close(kSocket), hang();
   if (fault == "flood") {
     const std::string line(4095, 'x');
@@ -136,9 +139,6 @@ int main(int count, char** arguments) {
     std::array<std::uint32_t, 4> none{};
     do_wrong(server, none);
   }
-  // The system ends this process with the one that it serves.
-  fcntl(kLifeline, F_SETOWN, getpid());
-  fcntl(kLifeline, F_SETFL, O_ASYNC);
   struct stat status {};
   fstat(kMemory, &status);
   server.memory = static_cast<std::byte*>(mmap(nullptr, static_cast<std::size_t>(status.st_size),
