@@ -1,6 +1,7 @@
 #include "view/server.h"
 
 #include <atomic>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -162,13 +163,34 @@ class ViewServer::Implementation {
     server_.Post(at + "/command", [this](const httplib::Request& request, httplib::Response& response) {
       execute(response, [&] { return parse_view_command(request.body); });
     });
-    server_.Post(at + "/drop", [this](const httplib::Request& request, httplib::Response& response) {
-      execute(response, [&] {
-        std::vector<DroppedFile> files;
-        for (const auto& [path, part] : request.files) files.push_back({path, part.content});
-        return SubjectCommand{keep_dropped(files)};
-      });
-    });
+    server_.Post(at + "/drop", [this](const httplib::Request&, httplib::Response& response,
+                                      const httplib::ContentReader& read) { drop(response, read); });
+  }
+
+  // Of a second one nothing is kept: together they would take as many times the memory. It is read all the
+  // same, or its sender would not come to read the answer.
+  void drop(httplib::Response& response, const httplib::ContentReader& read) {
+    const std::unique_lock one(drop_, std::try_to_lock);
+    if (!one) {
+      read([](const httplib::MultipartFormData&) { return true; },
+           [](const char*, std::size_t) { return true; });
+      return answer(response, 503, "other files are being dropped: again, once those are there");
+    }
+    std::vector<std::pair<std::string, std::string>> parts;  // paths and bytes
+    const auto are_too_many = [&parts] { return parts.size() > kMostDroppedFiles; };
+    const bool are_whole = read(
+        [&](const httplib::MultipartFormData& part) {
+          if (!are_too_many()) parts.emplace_back(part.name, std::string());
+          return true;
+        },
+        [&](const char* bytes, std::size_t size) {
+          if (!are_too_many()) parts.back().second.append(bytes, size);
+          return true;
+        });
+    if (!are_whole) return answer(response, 400, "parts as multipart/form-data has them are needed");
+    std::vector<DroppedFile> files;
+    for (const auto& [path, bytes] : parts) files.push_back({path, bytes});
+    execute(response, [&] { return SubjectCommand{keep_dropped(files)}; });
   }
 
   template <typename Read>
@@ -212,6 +234,7 @@ class ViewServer::Implementation {
   int port_ = 0;
   std::atomic<int> viewers_{0};
   std::atomic<bool> ending_{false}, listened_{false};
+  std::mutex drop_;  ///< held by who is reading dropped files
   std::thread thread_;
 };
 

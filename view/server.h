@@ -25,7 +25,7 @@ struct ViewServerOptions {
 /// POST `/command` (JSON as command.h has it; 204, or 400 with the reason) and `/drop` (multipart/form-data,
 /// a part for each file, named by its path: what is driven from then on; the same answers). 403: wrong token,
 /// a host that is not ours, a page of another origin; 413: a body of more than kMaxCommandBytes or
-/// kMostDroppedBytes; 415: of another type.
+/// kMostDroppedBytes; 415: of another type; 503: as many look on as may, or other files are being dropped.
 /// Who reads slowly gets fewer frames.
 class ViewServer {
  public:

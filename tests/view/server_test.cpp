@@ -189,6 +189,32 @@ TEST_F(ViewServerTest, TakesWhatIsDroppedAndNothingElseThere) {
   EXPECT_NE(options().at("mass"), before.at("mass"));
 }
 
+// Each may be 64 MiB, and there are sixteen threads that would read them.
+TEST_F(ViewServerTest, TakesOneDropAtATime) {
+  const std::string body =
+      "--b\r\nContent-Disposition: form-data; name=\"a.urdf\"\r\n\r\n<robot/>\r\n--b--\r\n";
+  const std::string head =
+      "POST " + at("/drop") + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
+      "\r\nContent-Type: multipart/form-data; boundary=b\r\nContent-Length: " + std::to_string(body.size()) +
+      "\r\n\r\n";
+  bool refused = false;
+  for (int i = 0; i < 20 && !refused; ++i) {
+    const RawConnection first(port_);
+    first.send(head + body.substr(0, 20));
+    for (int k = 0; k < 20 && !refused; ++k) {
+      const RawAnswer second = ask(port_, head + body);
+      refused = second.status == 503;
+      if (refused) {
+        EXPECT_EQ(second.body, "other files are being dropped: again, once those are there\n");
+      }
+    }
+    first.send(body.substr(20));
+    static_cast<void>(first.read_all());
+  }
+  EXPECT_TRUE(refused);
+  EXPECT_EQ(ask(port_, head + body).status, 400) << "no robot, and its turn";
+}
+
 TEST_F(ViewServerTest, TwoLookOnAtOnce) {
   const RawConnection a(port_), b(port_);
   for (const RawConnection* each : {&a, &b}) each->send(request_text("GET", at("/frames"), port_));
