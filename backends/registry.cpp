@@ -15,6 +15,7 @@
 #include "backends/served_engine.h"
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
+#include "physics/core/undivided.h"
 
 namespace crossgait {
 namespace {
@@ -34,8 +35,11 @@ BundledEngine engine_of(const std::string& plugin) {
 }
 
 const EngineRegistry& shared_registry() {
-  static const EngineRegistry kRegistry(plugin_folders());
-  return kRegistry;
+  // Made once, and not by a static's own means: of those a fork meanwhile would wait for ever.
+  const Undivided alone;
+  static const EngineRegistry* registry = nullptr;
+  if (registry == nullptr) registry = new EngineRegistry(plugin_folders());
+  return *registry;
 }
 
 }  // namespace

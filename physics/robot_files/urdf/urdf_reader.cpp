@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <mutex>
 #include <set>
 
 #include <console_bridge/console.h>
@@ -11,6 +10,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/text.h"
+#include "physics/core/undivided.h"
 #include "physics/robot/rigid_pair.h"
 #include "physics/robot/robot_check.h"
 #include "physics/robot_files/inertia_repair.h"
@@ -44,8 +44,7 @@ class ErrorCapture : public console_bridge::OutputHandler {
 };
 
 urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& path) {
-  static std::mutex mutex;  // console_bridge has one output handler per process
-  const std::lock_guard lock(mutex);
+  const Undivided alone;  // console_bridge has one output handler per process
   const ErrorCapture capture;
   urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text);
   if (!model || !capture.errors().empty()) {

@@ -1,0 +1,44 @@
+// Work that a fork never finds half done.
+#pragma once
+
+#include <mutex>
+
+#include <pthread.h>
+
+namespace crossgait {
+
+/// Holds, while it lives, a lock of the whole process that a fork takes as well: a fork waits until the work
+/// is done, so that in the new process, which has none of the other threads, nobody waits for one of them to
+/// end it. For what is short and has a state of the process; within one another, and around a fork that the
+/// work itself begins, they do no harm.
+class Undivided {
+ public:
+  Undivided() { begin(); }
+  ~Undivided() { end(); }
+  Undivided(const Undivided&) = delete;
+  Undivided& operator=(const Undivided&) = delete;
+  Undivided(Undivided&&) = delete;
+  Undivided& operator=(Undivided&&) = delete;
+
+ private:
+  // Counted here: a std::recursive_mutex belongs to a thread's number, which is another one in a fork.
+  static inline thread_local int depth = 0;
+
+  static std::mutex& mutex() {
+    // Never destroyed: forks come until the very end.
+    static auto* const one = [] {
+      ::pthread_atfork(begin, end, end);
+      return new std::mutex;
+    }();
+    return *one;
+  }
+  static void begin() {
+    if (depth == 0) mutex().lock();
+    ++depth;
+  }
+  static void end() {
+    if (--depth == 0) mutex().unlock();
+  }
+};
+
+}  // namespace crossgait
