@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/interruption.h"
 #include "physics/core/error.h"
 #include "physics/core/python_program.h"
 
@@ -23,7 +24,9 @@ void require_python_module(const std::string& command, const std::string& module
 ChildResult run_python_module(const std::string& module, const std::vector<std::string>& arguments) {
   std::vector<std::string> command{python_program(), "-m", module};
   command.insert(command.end(), arguments.begin(), arguments.end());
-  auto done = run_child(command, ChildErrors::kShown);
+  listen_for_interruption();
+  auto done = run_child(command, ChildErrors::kShown, std::nullopt, ChildSignals::kHandedOn);
+  check_interruption();
   if (!done || done->exit_code != 0) throw ChildFailed{done ? done->exit_code : -1};
   return *std::move(done);
 }

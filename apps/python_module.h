@@ -18,7 +18,8 @@ struct ChildFailed {
 /// @throws ConfigError naming `command` and what to install, unless that Python has the module
 void require_python_module(const std::string& command, const std::string& module, const std::string& extra);
 
-/// Runs `python -m module` to its end. @throws ChildFailed if it does not end well, having said itself why
+/// Runs `python -m module` to its end; a SIGINT or SIGTERM ends it first, and then this program.
+/// @throws ChildFailed if it does not end well, having said itself why  @throws Interrupted
 ChildResult run_python_module(const std::string& module, const std::vector<std::string>& arguments);
 
 }  // namespace crossgait::apps

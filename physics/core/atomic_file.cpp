@@ -5,6 +5,7 @@
 #include <chrono>
 #include <climits>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <optional>
 #include <system_error>
@@ -51,17 +52,30 @@ bool is_temporary(std::string_view name) {
   return take_number(name, ".tmp") && take_number(name, "-") && name.ends_with(".crossgait-");
 }
 
+/// A temporary of the Python package is a folder, ".crossgait-k2x9_a1b.tmp".
+bool is_temporary_folder(std::string_view name) {
+  constexpr std::string_view kBegin = ".crossgait-", kEnd = ".tmp";
+  return name.starts_with(kBegin) && name.ends_with(kEnd) && name.size() > kBegin.size() + kEnd.size();
+}
+
+/// Whether it has been there long enough to be locked by whoever made it.
+bool is_settled(const struct stat& status) { return std::time(nullptr) - status.st_mtime > 1; }
+
 /// Removes temporaries whose writers are gone: those hold the lock as long as they live. Where a file system
 /// has no locks, nothing is removed.
 void remove_left_over(const fs::path& folder) {
   for (const std::string& name : names_in_folder(folder.string())) {
-    if (!is_temporary(name)) continue;
+    if (!is_temporary(name) && !is_temporary_folder(name)) continue;
     const std::string path = (folder / name).string();
     const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (file < 0) continue;
     struct stat status {};
-    if (::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && ::flock(file, LOCK_EX | LOCK_NB) == 0)
-      ::unlink(path.c_str());
+    const bool is_left =
+        ::fstat(file, &status) == 0 &&
+        (is_temporary(name) ? S_ISREG(status.st_mode) : S_ISDIR(status.st_mode) && is_settled(status)) &&
+        ::flock(file, LOCK_EX | LOCK_NB) == 0;
+    std::error_code error;  // what cannot be removed is left
+    if (is_left) fs::remove_all(path, error);
     ::close(file);
   }
 }

@@ -21,7 +21,7 @@ std::string place_of_output(const std::string& path);
 /// place.
 ///
 /// A program that was killed leaves its temporary, NAME.crossgait-PID-NUMBER.tmp. The next that is made in
-/// the folder removes those whose lock (`flock`) nobody holds.
+/// the folder removes those whose lock (`flock`) nobody holds, and those of the Python package likewise.
 class AtomicFile {
  public:
   /// @throws ConfigError if the path is empty, the folder does not exist or is not writable, or the file may

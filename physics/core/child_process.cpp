@@ -54,6 +54,47 @@ void limit(pid_t child, const ChildLimits& limits) {
   prlimit(child, RLIMIT_FSIZE, &bytes, nullptr);
 }
 
+volatile std::sig_atomic_t handed_to = 0;  // the child, while there is one
+volatile std::sig_atomic_t came = 0;       // the signal
+
+extern "C" void hand_on(int signal, siginfo_t* about, void* /*context*/) {
+  came = signal;
+  // A terminal's Ctrl-C goes to all that it runs.
+  if (handed_to != 0 && about->si_code != SI_KERNEL) ::kill(handed_to, signal);
+}
+
+/// Hands signals on to a child from its beginning to its end, and raises at last the one that came.
+class HandedOn {
+ public:
+  HandedOn() {
+    came = 0;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      struct sigaction action {};
+      action.sa_sigaction = hand_on;
+      action.sa_flags = SA_SIGINFO;
+      ::sigemptyset(&action.sa_mask);
+      ::sigaction(kSignals[i], nullptr, &before_[i]);
+      if (before_[i].sa_handler != SIG_IGN) ::sigaction(kSignals[i], &action, nullptr);
+    }
+  }
+  ~HandedOn() {
+    handed_to = 0;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) ::sigaction(kSignals[i], &before_[i], nullptr);
+    if (came != 0) std::raise(came);
+  }
+  HandedOn(const HandedOn&) = delete;
+  HandedOn& operator=(const HandedOn&) = delete;
+
+  static void to(pid_t child) {
+    handed_to = child;
+    if (came != 0) ::kill(child, came);  // before there was one
+  }
+
+ private:
+  static constexpr std::array kSignals{SIGINT, SIGTERM};
+  std::array<struct sigaction, kSignals.size()> before_{};
+};
+
 /// Waits for the end of a child. @returns its status, and whether it was ended here
 std::pair<int, bool> wait_for(pid_t child, const char* name, const std::optional<ChildLimits>& limits) {
   const auto begin = std::chrono::steady_clock::now();
@@ -76,7 +117,7 @@ std::pair<int, bool> wait_for(pid_t child, const char* name, const std::optional
 }  // namespace
 
 std::optional<ChildResult> run_child(const std::vector<std::string>& command, ChildErrors errors,
-                                     std::optional<ChildLimits> limits) {
+                                     std::optional<ChildLimits> limits, ChildSignals signals) {
   const File in = nameless_file(), out = nameless_file(), complaints = nameless_file();
   SpawnActions actions;
   actions.connect(fileno(in.get()), STDIN_FILENO);
@@ -86,12 +127,16 @@ std::optional<ChildResult> run_child(const std::vector<std::string>& command, Ch
   std::vector<std::string> words = command;
   const std::vector<char*> arguments = spawn_words(words);
   pid_t child = 0;
+  std::optional<HandedOn> handed_on;
+  if (signals == ChildSignals::kHandedOn) handed_on.emplace();
   const int code =
       posix_spawnp(&child, words.front().c_str(), actions.get(), nullptr, arguments.data(), environ);
   if (code == ENOENT) return std::nullopt;
   if (code != 0) throw_system_error(code, words.front());
+  if (handed_on) HandedOn::to(child);
   if (limits) limit(child, *limits);
   const auto [status, ended_here] = wait_for(child, words.front().c_str(), limits);
+  handed_on.reset();
   const std::size_t most = limits ? limits->bytes : std::numeric_limits<std::size_t>::max();
   ChildResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_from_start(out.get(), most),
                      read_from_start(complaints.get(), most)};

@@ -17,6 +17,11 @@ struct ChildResult {
 
 enum class ChildErrors { kKept, kShown };  ///< shown: on this program's own standard error, as they come
 
+/// What becomes of a SIGINT or SIGTERM of this program while it waits for a child. Handed on: the child is
+/// given it, unless a terminal has done so itself, and this program acts on it when the child has ended. One
+/// such child at a time.
+enum class ChildSignals { kLeft, kHandedOn };
+
 /// Bounds what a child may take before it is ended.
 struct ChildLimits {
   std::chrono::seconds time;  ///< of the clock, and of the processor
@@ -28,6 +33,7 @@ struct ChildLimits {
 /// @returns nothing if there is no such program  @throws std::system_error if it cannot be run
 std::optional<ChildResult> run_child(const std::vector<std::string>& command,
                                      ChildErrors errors = ChildErrors::kKept,
-                                     std::optional<ChildLimits> limits = std::nullopt);
+                                     std::optional<ChildLimits> limits = std::nullopt,
+                                     ChildSignals signals = ChildSignals::kLeft);
 
 }  // namespace crossgait

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import re
+import signal
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
 
 from crossgait.errors import ConfigError
 
@@ -19,6 +23,24 @@ def say(text: str, *, error: bool = False) -> None:
     print(shown, file=sys.stderr if error else sys.stdout)
 
 
+@contextmanager
+def _ended_by_sigterm() -> Iterator[None]:
+    """Let SIGTERM end what is done as Ctrl-C does, so that nothing half-written is left; a second one ends at once."""
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGTERM) != signal.SIG_DFL:
+        yield
+        return
+
+    def end(number: int, frame: FrameType | None) -> None:
+        signal.signal(number, signal.SIG_DFL)
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
 def exit_code(name: str, work: Callable[[], int], interrupted: str = "") -> int:
     """Do a command's work, and say on standard error what went wrong.
 
@@ -29,7 +51,8 @@ def exit_code(name: str, work: Callable[[], int], interrupted: str = "") -> int:
 
     """
     try:
-        return work()
+        with _ended_by_sigterm():
+            return work()
     except ConfigError as error:
         say(f"{name}: {error}", error=True)
         return WRONG_INPUT

@@ -11,8 +11,10 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -186,6 +188,27 @@ TEST_F(AtomicFile, RemovesWhatAKilledWriterLeft) {
   live.write("whole");
   live.commit();
   EXPECT_EQ(read(path("another")), "whole") << "who still writes keeps its temporary";
+}
+
+/// Whose temporaries are folders.
+TEST_F(AtomicFile, RemovesWhatAKilledWriterOfPythonLeft) {
+  const auto make = [&](const std::string& name) {
+    std::filesystem::create_directory(path(name));
+    write(name + "/file", "half");
+    const std::array<timeval, 2> long_ago{timeval{1, 0}, timeval{1, 0}};
+    ASSERT_EQ(::utimes(path(name).c_str(), long_ago.data()), 0);
+  };
+  for (const char* name :
+       {".crossgait-a1_b.tmp", ".crossgait-held.tmp", ".crossgait-.tmp", "crossgait-x.tmp"})
+    make(name);
+  const int held = ::open(path(".crossgait-held.tmp").c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(::flock(held, LOCK_EX | LOCK_NB), 0);
+  write_file_atomically(path("file"), "new");
+  ::close(held);
+  EXPECT_FALSE(std::filesystem::exists(path(".crossgait-a1_b.tmp")));
+  EXPECT_TRUE(std::filesystem::exists(path(".crossgait-held.tmp/file"))) << "whose writer lives";
+  EXPECT_TRUE(std::filesystem::exists(path(".crossgait-.tmp/file")));
+  EXPECT_TRUE(std::filesystem::exists(path("crossgait-x.tmp/file")));
 }
 
 TEST_F(AtomicFile, WritersOfOneFileDoNotMix) {

@@ -1,5 +1,7 @@
 #include "physics/core/child_process.h"
 
+#include <csignal>
+
 #include <gtest/gtest.h>
 
 namespace crossgait {
@@ -14,6 +16,23 @@ TEST(ChildProcess, KeepsWhatItSays) {
   EXPECT_FALSE(done->over_limit);
   EXPECT_FALSE(run_child({"crossgait-no-such-program"}));
   EXPECT_EQ(run_child({"sh", "-c", "kill -9 $$"})->exit_code, -1);
+}
+
+TEST(ChildProcess, IsHandedSignalsOn) {
+  static int raised;
+  for (const int signal : {SIGINT, SIGTERM}) {
+    raised = 0;
+    const auto before = std::signal(signal, [](int number) { raised = number; });
+    // It ends by the signal of its parent, which nobody sends to it.
+    const std::string name = signal == SIGINT ? "INT" : "TERM";
+    const auto done =
+        run_child({"bash", "-c", "trap 'exit 7' " + name + "; kill -" + name + " $PPID; sleep 20 & wait"},
+                  ChildErrors::kShown, std::nullopt, ChildSignals::kHandedOn);
+    std::signal(signal, before);
+    ASSERT_TRUE(done);
+    EXPECT_EQ(done->exit_code, 7);
+    EXPECT_EQ(raised, signal);  // and then by its own
+  }
 }
 
 constexpr ChildLimits kLimits{std::chrono::seconds(1), 100'000};
