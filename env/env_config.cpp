@@ -19,6 +19,8 @@ void require(bool ok, std::string_view source, std::string_view element, std::st
 }
 
 constexpr double kMostSteps = 1e9;  // of one kind inside another: counts are int
+// Of one call, which nothing interrupts: some seconds.
+constexpr double kMostPhysicsSteps = 1e5;
 
 void require_multiple(std::string_view source, std::string_view element, double longer, double shorter) {
   require(is_whole_multiple(longer, shorter), source, element,
@@ -143,13 +145,15 @@ void EnvConfig::validate(std::string_view origin) const {
           fmt::format("a time step in [{:g}, {:g}] s", kShortestPhysicsStep, kLongestPhysicsStep),
           physics_dt);
   require_multiple(origin, "control_dt", control_dt, physics_dt);
-  require(policy_dt / physics_dt <= kMostSteps, origin, "policy_dt",
-          fmt::format("at most {:g} physics steps", kMostSteps), policy_dt);
+  require(policy_dt / physics_dt <= kMostPhysicsSteps, origin, "policy_dt",
+          fmt::format("at most {:g} physics steps", kMostPhysicsSteps), policy_dt);
   require_multiple(origin, "policy_dt", policy_dt, control_dt);
   require(episode_seconds >= policy_dt && episode_seconds <= 1e6, origin, "episode_seconds",
           "at least one policy step and at most 1e6 s", episode_seconds);
   require(settle_seconds >= 0 && settle_seconds <= 1e3, origin, "settle_seconds", "0 to 1e3 s",
           settle_seconds);
+  require(settle_seconds / physics_dt <= kMostPhysicsSteps, origin, "settle_seconds",
+          fmt::format("at most {:g} physics steps", kMostPhysicsSteps), settle_seconds);
   require(tilt_limit_deg > 0 && tilt_limit_deg <= 180, origin, "tilt_limit_deg",
           "an angle in (0, 180] degrees", tilt_limit_deg);
   require(episode_seconds / policy_dt <= kMostSteps, origin, "episode_seconds",

@@ -130,9 +130,13 @@ WorkspaceMap sample_workspace(const LegKinematics& leg, LegBranch branch, const 
                         fmt::format("{:g} to {:g} m", box.min[axis], box.max[axis]));
     }
   }
+  const double samples = 1.0 * count[0] * count[1] * count[2];
+  if (samples > static_cast<double>(kMaxWorkspaceSamples)) {
+    throw ConfigError("workspace", "samples", fmt::format("at most {} together", kMaxWorkspaceSamples),
+                      fmt::format("{} x {} x {}", count[0], count[1], count[2]));
+  }
   WorkspaceMap map{box, count, {}};
-  map.samples.reserve(static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
-                      static_cast<std::size_t>(count[2]));
+  map.samples.reserve(static_cast<std::size_t>(samples));
   for (int iz = 0; iz < count[2]; ++iz) {
     for (int iy = 0; iy < count[1]; ++iy) {
       for (int ix = 0; ix < count[0]; ++ix)

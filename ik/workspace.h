@@ -1,6 +1,7 @@
 // What a leg reaches: sampled grids, boxes of safe targets, and how far a foot can go in a direction.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "ik/leg_kinematics.h"
@@ -46,7 +47,10 @@ struct WorkspaceMap {
 /// Returns the smallest box around everything the links reach, from the height of the shoulders down.
 TargetBox reach_bounds(const LegKinematics& leg);
 
-/// @throws ConfigError unless every count is at least 2 and the box is finite and not inverted
+inline constexpr std::size_t kMaxWorkspaceSamples = 1'000'000;
+
+/// @throws ConfigError unless every count is at least 2, they are kMaxWorkspaceSamples together at most, and
+/// the box is finite and not inverted
 WorkspaceMap sample_workspace(const LegKinematics& leg, LegBranch branch, const TargetBox& box,
                               const std::array<int, 3>& count);
 

@@ -17,6 +17,8 @@
 #include "physics/core/error.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/interruption.h"
+#include "python/bindings/job.h"
 #include "python/bindings/robot.h"
 
 namespace crossgait::python {
@@ -36,6 +38,8 @@ RowMatrix rows_of(const nb::object& given, int columns, const char* what) {
                                      columns);
 }
 
+constexpr Eigen::Index kPiece = 256;  // rows between looks for a signal
+
 /// One leg of a robot.
 struct RobotLeg {
   std::shared_ptr<const RobotDescription> robot;
@@ -53,7 +57,9 @@ std::pair<RowMatrix, std::vector<std::string>> inverse(const RobotLeg& leg, cons
   const RowMatrix feet = rows_of(targets, 3, "targets");
   RowMatrix angles(feet.rows(), leg.kinematics.servo_count());
   std::vector<std::string> status;
+  Interruption interruption;
   for (Eigen::Index i = 0; i < feet.rows(); ++i) {
+    if (i % kPiece == 0 && interruption.came()) throw nb::python_error();
     const LegInverse solved = leg.kinematics.inverse(feet.row(i).transpose());
     angles.row(i) = solved.posture.servos;
     status.emplace_back(name(solved.status));
@@ -64,7 +70,9 @@ std::pair<RowMatrix, std::vector<std::string>> inverse(const RobotLeg& leg, cons
 RowMatrix forward(const RobotLeg& leg, const nb::object& angles) {
   const RowMatrix servos = rows_of(angles, leg.kinematics.servo_count(), "angles");
   RowMatrix feet(servos.rows(), 3);
+  Interruption interruption;
   for (Eigen::Index i = 0; i < servos.rows(); ++i) {
+    if (i % kPiece == 0 && interruption.came()) throw nb::python_error();
     const LegForward found = leg.kinematics.forward(servos.row(i).transpose());
     if (!found.closed)
       throw ConfigError("leg", "angles " + std::to_string(i), "angles at which the linkage closes",
@@ -96,10 +104,11 @@ nb::dict workspace(const RobotLeg& leg, const std::array<int, 3>& count,
   const LegKinematics& kinematics = leg.kinematics;
   const TargetBox bounds =
       box ? TargetBox{Vector3(box->first.data()), Vector3(box->second.data())} : reach_bounds(kinematics);
-  const WorkspaceMap map = [&] {
-    const nb::gil_scoped_release release;
-    return sample_workspace(kinematics, kinematics.home_branch(), bounds, count);
-  }();
+  const WorkspaceMap map = run_job(
+      [kinematics, bounds, count](const StageProgress& /*told*/) {
+        return sample_workspace(kinematics, kinematics.home_branch(), bounds, count);
+      },
+      nb::none());
   const std::size_t size = map.samples.size();
   const NewArray<double> targets(size, 3), joint_limit(size), serial(size), parallel(size);
   const NewArray<bool> reachable(size);
@@ -188,7 +197,7 @@ void bind_kinematics(nb::module_& m) {
                    "tuple[float, float, float]] | None = None) -> dict[str, typing.Any]"),
            "A grid of targets, x fastest, over a box (min, max; by default all that the links reach): arrays "
            "`target` (N x "
-           "3), `reachable`, `status` and the margins. Raises ConfigError.");
+           "3), `reachable`, `status` and the margins. 1,000,000 targets at most. Raises ConfigError.");
   m.def("legs", &legs_of, nb::arg("robot"),
         nb::sig("def legs(robot: Robot | str | os.PathLike[str]) -> dict[str, Leg]"),
         "The legs FL, FR, RL, RR. Raises ConfigError if the robot has none.");

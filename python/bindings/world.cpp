@@ -1,4 +1,6 @@
 // One world in one engine, to be driven by hand.
+#include <algorithm>
+
 #include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
@@ -18,6 +20,7 @@
 #include "python/bindings/bindings.h"
 #include "python/bindings/busy.h"
 #include "python/bindings/inputs.h"
+#include "python/bindings/interruption.h"
 #include "python/bindings/robot.h"
 
 namespace crossgait::python {
@@ -107,13 +110,20 @@ Eigen::MatrixXd jacobian(const PhysicsBackend& world, const std::variant<int, st
 const char* step(PhysicsBackend& world, const ArrayLike& targets, int substeps) {
   if (substeps < 1) throw ConfigError("world", "substeps", "at least 1", std::to_string(substeps));
   const JointTargets joints{joint_vector(targets, "targets")};
+  constexpr int kPiece = 64;  // between looks for a signal
   StepStatus status = StepStatus::kOk;
+  bool interrupted = false;
   {
     const Working working(&world);
-    status = world.step(joints, substeps);
+    Interruption interruption;
+    for (int left = substeps; left > 0 && status == StepStatus::kOk && !interrupted; left -= kPiece) {
+      status = world.step(joints, std::min(left, kPiece));
+      interrupted = interruption.came();
+    }
   }
   if (status == StepStatus::kDiverged) throw_if_lost(world);
   if (status != StepStatus::kInvalidTargets) world.clear_wrenches();
+  if (interrupted) throw nb::python_error();
   if (status == StepStatus::kInvalidTargets)
     throw ConfigError(
         "world", "targets", std::to_string(world.robot().actuated_joints().size()) + " finite numbers, rad",
@@ -268,7 +278,9 @@ void bind_world(nb::module_& m) {
            "Returns \"ok\", or "
            "\"diverged\", after which the state keeps its last good value until reset or restore. Raises "
            "ConfigError for "
-           "targets of the wrong number or that are not finite, and changes nothing then.")
+           "targets of the wrong number or that are not finite, and changes nothing then. Ctrl-C ends it "
+           "between "
+           "two physics steps.")
       .def_prop_ro("state", guarded([](const PhysicsBackend& w) { return RobotState(w.state()); }))
       .def_prop_ro("torques", guarded([](const PhysicsBackend& w) { return Eigen::VectorXd(w.torques()); }),
                    "Torques of every joint in the last physics step, N m: of servo, damper and spring.")

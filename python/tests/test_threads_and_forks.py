@@ -113,22 +113,60 @@ def test_a_million_environments_are_refused() -> None:
 
 
 # A child of what runs in the background would ignore the signal.
-MAKE = """
-import signal
+BEGIN = """
+import signal, crossgait, numpy as np
 from crossgait import _core
 signal.signal(signal.SIGINT, signal.default_int_handler)
-print("now", flush=True)
-_core.VectorEnvironment(_core.EnvironmentConfig(), 100_000)
+robot = crossgait.Robot.load("scara_quadruped")
+leg = crossgait.legs(robot)["FL"]
 """
+LONG = {
+    "environments": "_core.VectorEnvironment(_core.EnvironmentConfig(), 100_000)",
+    "steps": "crossgait.World(robot).step(np.zeros(len(robot.servos)), 10**9)",
+    "inverse": "leg.inverse(np.zeros((10**7, 3)))",
+    "forward": "leg.forward(np.zeros((10**7, len(leg.servos))) + leg.inverse([0.0, 0.0, -0.1])[0])",
+}
 
 
-def test_making_environments_can_be_interrupted() -> None:
-    making = subprocess.Popen([sys.executable, "-c", MAKE], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+@pytest.mark.parametrize("what", LONG)
+def test_what_takes_long_can_be_interrupted(what: str) -> None:
+    text = f"{BEGIN}print('now', flush=True)\n{LONG[what]}"
+    making = subprocess.Popen([sys.executable, "-c", text], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert making.stdout is not None
     assert making.stdout.readline() == "now\n"
+    time.sleep(0.3)
     making.send_signal(signal.SIGINT)
-    _, errors = making.communicate(timeout=120)
+    _, errors = making.communicate(timeout=60)
     assert "KeyboardInterrupt" in errors
+
+
+def test_an_interrupted_world_is_whole() -> None:
+    robot = crossgait.Robot.load("scara_quadruped")
+    world, targets = crossgait.World(robot), np.zeros(len(robot.servos))
+
+    def end(number: int, frame: Any) -> None:
+        raise InterruptedError
+
+    before = signal.signal(signal.SIGALRM, end)
+    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    try:
+        with pytest.raises(InterruptedError):
+            world.step(targets, 10**9)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    again = crossgait.World(robot)
+    again.step(targets, round(world.state.time / world.physics_dt))
+    assert (again.state.qpos == world.state.qpos).all()  # in pieces or not
+    assert world.step(targets) == "ok"
+
+
+def test_calls_that_nothing_interrupts_are_bounded() -> None:
+    for text in ("{policy_dt: 1000, physics_dt: 1.0e-6, episode_seconds: 1000}", "{settle_seconds: 1000}"):
+        with pytest.raises(crossgait.ConfigError, match="at most 100000 physics steps"):
+            _core.Environment(_core.EnvironmentConfig.parse(text))
+    leg = crossgait.legs(crossgait.Robot.load("scara_quadruped"))["FL"]
+    with pytest.raises(crossgait.ConfigError, match="at most 1000000"):
+        leg.workspace((600, 600, 600))
 
 
 def test_what_was_closed_says_so() -> None:

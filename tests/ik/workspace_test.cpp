@@ -71,6 +71,7 @@ TEST(Workspace, NonsenseGridsAreErrors) {
   EXPECT_THROW(sample_workspace(hand_made_leg(), LegBranch{}, {box.max, box.min}, {3, 3, 4}), ConfigError);
   const TargetBox nan{{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {1, 1, 1}};
   EXPECT_THROW(sample_workspace(hand_made_leg(), LegBranch{}, nan, {3, 3, 4}), ConfigError);
+  EXPECT_THROW(sample_workspace(hand_made_leg(), LegBranch{}, box, {600, 600, 600}), ConfigError);
 }
 
 TEST(SafeDistance, IsPythagorasToTheReach) {
