@@ -238,10 +238,11 @@ std::optional<RunResult> RunIndex::find(std::uint64_t hash) const {
   return std::move(row.result);
 }
 
-void RunIndex::add(std::uint64_t hash, std::size_t begin, std::size_t end) {
+void RunIndex::add(std::uint64_t hash, std::size_t begin, std::size_t end, bool failed) {
   Place place;
   place.hash = hash;
   place.begin = begin;
+  place.failed = failed ? 1 : 0;
   put(place);
   ++rows_;
   knows_all_ = knows_all_ && begin == next_;

@@ -44,8 +44,8 @@ class RunIndex {
   /// store
   std::optional<RunResult> find(std::uint64_t hash) const;
   /// Notes a row that was appended. @param begin  of its line, bytes from the beginning  @param end  behind
-  /// its end
-  void add(std::uint64_t hash, std::size_t begin, std::size_t end);
+  /// its end  @param failed  whether its run did
+  void add(std::uint64_t hash, std::size_t begin, std::size_t end, bool failed = false);
 
   /// Lists hashes of all rows, in their order, and of each whether it is of a run that failed.
   std::vector<std::pair<std::uint64_t, bool>> rows() const;

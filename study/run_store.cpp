@@ -57,12 +57,34 @@ void RunStore::add(const nlohmann::json& run, const RunResult& result) {
   const std::scoped_lock lock(mutex_);
   // Several threads may have made it, each because it was not there.
   if (const auto there = look_up(hash); there && there->keys == result.keys) return;
+  append(row, hash, false);
+}
+
+std::pair<std::uint64_t, bool> RunStore::add_row(std::string_view row) {
+  const StoredRow read = read_stored_row(row, "row", 1);
+  if (row.find('\n') != std::string_view::npos) throw ConfigError("row", "line 1", "one line", "several");
+  const std::scoped_lock lock(mutex_);
+  append(row, read.hash, !read.result);
+  return {read.hash, !read.result};
+}
+
+std::vector<std::pair<std::uint64_t, bool>> RunStore::rows() const {
+  const std::scoped_lock lock(mutex_);
+  return index_.rows();
+}
+
+void RunStore::sync() {
+  const std::scoped_lock lock(mutex_);
+  file_.sync();
+}
+
+void RunStore::append(std::string_view row, std::uint64_t hash, bool failed) {
   if (torn_bytes_ > 0) file_.cut(index_.bytes() - torn_bytes_, index_.bytes());
   torn_bytes_ = 0;
   const std::size_t line_end = lacks_line_end_ ? 1 : 0;
   const std::size_t begin = file_.append(fmt::format("{}{}\n", lacks_line_end_ ? "\n" : "", row)) + line_end;
   lacks_line_end_ = false;
-  index_.add(hash, begin, begin + row.size() + 1);
+  index_.add(hash, begin, begin + row.size() + 1, failed);
 }
 
 Behaviour with_store(Behaviour behaviour, const LoadedBehaviour& loaded, std::shared_ptr<RunStore> store) {

@@ -6,6 +6,9 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "physics/core/locked_file.h"
 #include "study/run_index.h"
@@ -45,8 +48,17 @@ class RunStore {
   /// Checks that what was added is at its path, as nobody does who only destroys it. @throws ConfigError if
   /// the file was removed or replaced
   void check_place() const { file_.check_place(); }
+  /// Appends a row as it is, whatever is there: one that a sweep made, or of a run that failed.
+  /// @returns its hash, and whether the run failed  @throws ConfigError as `read_stored_row`, or if it cannot
+  /// be written
+  std::pair<std::uint64_t, bool> add_row(std::string_view row);
+  /// Lists hashes of all rows, and of each whether it is of a run that failed.
+  std::vector<std::pair<std::uint64_t, bool>> rows() const;
+  /// Sees that the rows outlive a power cut. @throws ConfigError if they cannot be written
+  void sync();
 
  private:
+  void append(std::string_view row, std::uint64_t hash, bool failed);
   std::optional<RunResult> look_up(std::uint64_t hash) const;
 
   LockedFile file_;

@@ -39,10 +39,11 @@ class LockedFile {
   /// Cuts off what stands behind the first `size` bytes, of `expected`.
   /// @throws ConfigError if the file has another size than `expected`: then somebody writes it without asking
   void cut(std::size_t size, std::size_t expected);
+  /// Sees that what was appended outlives a power cut. @throws ConfigError if it cannot be written
+  void sync();
 
  private:
   std::size_t size() const;
-  void sync();
   [[noreturn]] void fail(int code) const;
 
   std::string path_;

@@ -23,5 +23,7 @@ void bind_policy(nb::module_& m);
 void bind_studies(nb::module_& m);
 void bind_diagnosis(nb::module_& m);
 void bind_run_spec(nb::module_& m);
+void bind_trace_file(nb::module_& m);
+void bind_files_read(nb::module_& m);
 
 }  // namespace crossgait::python

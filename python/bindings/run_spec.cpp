@@ -1,6 +1,9 @@
 // Runs by their specification: their hash, and the line of a store that they become.
 #include <algorithm>
+#include <memory>
+#include <utility>
 
+#include <fmt/format.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -11,6 +14,7 @@
 #include "python/bindings/bindings.h"
 #include "python/bindings/walk_config.h"
 #include "study/run_maker.h"
+#include "study/run_store.h"
 
 namespace crossgait::python {
 namespace {
@@ -21,9 +25,63 @@ std::vector<std::string> variation_names() {
   return names;
 }
 
+/// A store that is closed when Python says so.
+struct OpenStore {
+  std::unique_ptr<RunStore> store;
+
+  RunStore& get(const char* doing) const {
+    if (!store) throw ConfigError("run store", doing, "an open one", "one that was closed");
+    return *store;
+  }
+};
+
+std::string hex(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+void bind_store(nb::module_& m) {
+  nb::class_<OpenStore>(m, "_RunStore", "A file of runs while it is written, as verdicts write it.")
+      .def(
+          "__init__",
+          [](OpenStore* self, const std::string& path) {
+            const nb::gil_scoped_release release;
+            new (self) OpenStore{std::make_unique<RunStore>(path)};
+          },
+          nb::arg("path"), "Takes its lock. Raises ConfigError.")
+      .def(
+          "rows",
+          [](const OpenStore& self) {
+            nb::dict rows;
+            for (const auto& [hash, failed] : self.get("rows").rows()) rows[hex(hash).c_str()] = failed;
+            return rows;
+          },
+          nb::sig("def rows(self) -> dict[str, bool]"), "Hashes, and whether the run failed.")
+      .def(
+          "add",
+          [](OpenStore& self, const std::string& row) {
+            const auto [hash, failed] = self.get("add").add_row(row);
+            return std::pair(hex(hash), failed);
+          },
+          nb::arg("row"), "Appends a row. Returns its hash, and whether the run failed. Raises ConfigError.")
+      .def("sync", [](OpenStore& self) { self.get("sync").sync(); })
+      .def(
+          "close", [](OpenStore& self) { self.store.reset(); }, "Lets go of the lock.");
+  m.def(
+      "_check_row",
+      [](const nb::bytes& line, const std::string& path, std::size_t number) {
+        read_stored_row({line.c_str(), line.size()}, path, number);
+      },
+      nb::arg("line"), nb::arg("path"), nb::arg("number"), "Raises ConfigError for what is no stored run.");
+  m.def(
+      "_is_torn_row",
+      [](const nb::bytes& line) {
+        return is_torn_row({line.c_str(), line.size()});
+      },
+      nb::arg("line"), "Whether a last line is what a writer leaves that is stopped on its way.");
+}
+
 }  // namespace
 
 void bind_run_spec(nb::module_& m) {
+  bind_store(m);
   m.def("_variations", &variation_names, "Names of the variations of a verdict; the first is nominal.");
   nb::class_<RunMaker>(m, "_RunMaker", "Runs of one behaviour, whose robot and files are read once.")
       .def_static(

@@ -201,6 +201,24 @@ TEST_F(StoredRuns, MayBeAddedByManyThreads) {
   }
 }
 
+TEST_F(StoredRuns, MayBeRowsThatAnotherMade) {
+  const std::string failed = R"({"hash":"00000000000000ff","error":"none"})";
+  const std::string made = stored_run(to_json(run_of(1)), result({"distance"}, {1}));
+  {
+    RunStore store(file());
+    EXPECT_EQ(store.add_row(failed), std::pair(std::uint64_t{255}, true));
+    EXPECT_FALSE(store.add_row(made).second);
+    EXPECT_EQ(store.size(), 1U);
+    for (const std::string& wrong :
+         {std::string("{}"), std::string(R"({"hash":"x","result":{}})"), made + "\n" + made})
+      EXPECT_THROW(store.add_row(wrong), ConfigError) << wrong;
+  }
+  EXPECT_EQ(read(file()), failed + "\n" + made + "\n");
+  const RunStore store(file());
+  EXPECT_EQ(store.rows().size(), 2U);
+  EXPECT_TRUE(store.find(to_json(run_of(1))));
+}
+
 TEST_F(StoredRuns, SayWhatTheyAre) {
   six(1);
   const auto line = nlohmann::json::parse(lines().front());
