@@ -7,6 +7,7 @@ True
 
 from __future__ import annotations
 
+from crossgait import interpreter as _interpreter  # noqa: F401 # isort: skip  before the core, which it may refuse
 from crossgait import _core
 from crossgait._core import (
     Batch,
