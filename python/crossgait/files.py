@@ -10,22 +10,77 @@ import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
 
+from crossgait import _core
 from crossgait.errors import ConfigError
 
-_TEMPORARY = re.compile(r"\.crossgait-\w+\.tmp")
+Named = tuple[str, str | os.PathLike[str] | None]  #: an option or what else names a file, and the file; None: none
+
+CHECKPOINT_BYTES = 256 << 20  #: of a file of PyTorch's or Stable-Baselines3's at most
+
+_TEMPORARY = re.compile(r"\.crossgait-\w+\.tmp")  #: a folder, of this package
+_CORES = re.compile(r".*\.crossgait-\d+-\d+\.tmp")  #: a file, of the core
+_noted: list[list[str]] = []  #: by `noting_reads`, the innermost last
+
+
+def check_outputs(outputs: Iterable[Named], inputs: Iterable[Named] = ()) -> None:
+    """Check, before any work, that what is to be written is nothing that is read, and each a file of its own.
+
+    By which file it is and not by its name, as the core's commands do. `-` is standard output; devices and pipes take
+    what several write. Raises ConfigError naming the output's option.
+    """
+    written = [(option, os.fspath(path)) for option, path in outputs if path is not None]
+    written = [(option, path) for option, path in written if path != "-" and _is_replaced(path)]
+    for i, (option, path) in enumerate(written):
+        for other, another in written[:i]:
+            if _is_same(path, another):
+                raise ConfigError("command line", option, "a file of its own", f'"{path}" again, of {other}')
+    for source, file in inputs:
+        if file is None:
+            continue
+        for option, path in written:
+            if _is_same(path, os.fspath(file)):
+                found = f'"{path}", which is {os.fspath(file)} of {source}'
+                raise ConfigError("command line", option, "a file that is not read", found)
+
+
+def _is_replaced(path: str) -> bool:
+    return not os.path.exists(path) or os.path.isfile(path)
+
+
+def _is_same(path: str, other: str) -> bool:
+    if os.path.realpath(path) == os.path.realpath(other):
+        return True
+    try:
+        return os.path.samefile(path, other)
+    except OSError:  # one is not there
+        return False
+
+
+@contextmanager
+def noting_reads() -> Iterator[list[Named]]:
+    """Note what this package and the core read on this thread, for `check_outputs`: the list is whole at the end."""
+    core, read, mine = _core._FilesRead(), list[Named](), list[str]()
+    _noted.append(mine)
+    try:
+        yield read
+    finally:
+        _noted.remove(mine)
+        read += [("what is read", path) for path in dict.fromkeys([*mine, *core.paths()])]
+        core.close()
 
 
 @contextmanager
 def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Where to write what is to be at `path`: it is moved there at the end, or is gone if something goes wrong.
 
-    What a symbolic link leads to is replaced, not the link; what is no file (a device) is written to. What processes
-    that were killed have left in the folder is removed. Raises OSError; and ConfigError of a file whose lock somebody
-    holds, a store that is being written.
+    What a symbolic link leads to is replaced, not the link; what is no file (a device) is written to. It outlives a
+    power cut. What processes that were killed have left in the folder is removed. Raises OSError; and ConfigError of a
+    file whose lock somebody holds, a store that is being written.
     """
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_file():
@@ -39,6 +94,7 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
         try:
             beside = Path(folder) / target.name
             yield beside
+            _sync(beside)
             _check_not_locked(target, path)  # it may have become one meanwhile
             os.replace(beside, target)
         finally:
@@ -61,6 +117,14 @@ def _check_not_locked(target: Path, path: str | os.PathLike[str]) -> None:
         os.close(file)
 
 
+def _sync(path: Path) -> None:
+    file = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)
+
+
 def _hold(folder: str) -> int:
     """Lock a folder, which says that its process lives."""
     file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
@@ -72,38 +136,56 @@ def _hold(folder: str) -> int:
 def _remove_left_over(folder: Path) -> None:
     with suppress(OSError):
         for left in os.scandir(folder):
+            is_folder = left.is_dir(follow_symlinks=False)
+            ours = (_TEMPORARY if is_folder else _CORES).fullmatch(left.name)
             # Younger ones may be about to be locked.
-            if _TEMPORARY.fullmatch(left.name) and time.time() - left.stat().st_mtime > 1:
+            if ours and time.time() - left.stat(follow_symlinks=False).st_mtime > 1:
                 with suppress(OSError):
                     _remove_unless_held(left.path)
 
 
-def _remove_unless_held(folder: str) -> None:
-    file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
+def _remove_unless_held(path: str) -> None:
+    file = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        shutil.rmtree(folder)
+        if stat.S_ISDIR(mode := os.fstat(file).st_mode):
+            shutil.rmtree(path)
+        elif stat.S_ISREG(mode):
+            os.unlink(path)
     finally:
         os.close(file)
 
 
-def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
-    """What a regular file holds, of at most so many bytes.
-
-    Folders, devices and pipes, which may never end, are refused unread. Raises ConfigError.
-    """
+@contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """A regular file to read. Folders, devices and pipes, which may never end, are refused. Raises ConfigError."""
     source = os.fspath(path)
     try:
         # Not waiting for somebody to write to a pipe.
-        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
-            status = os.fstat(file.fileno())
-            if not stat.S_ISREG(status.st_mode):  # a folder has raised already
-                raise ConfigError(source, "file", "a readable file", "a pipe or device")
-            data = b"" if status.st_size > most else file.read(most + 1)
+        file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     except OSError as error:
         raise ConfigError(source, "file", "a readable file", str(error.strerror)) from error
-    if max(status.st_size, len(data)) > most:
-        raise ConfigError(source, "file", f"at most {most} bytes", f"{max(status.st_size, len(data))} or more")
+    if not stat.S_ISREG(mode := os.fstat(file).st_mode):
+        os.close(file)
+        found = os.strerror(errno.EISDIR) if stat.S_ISDIR(mode) else "a pipe or device"
+        raise ConfigError(source, "file", "a readable file", found)
+    for noted in _noted:
+        noted.append(source)
+    with open(file, "rb") as reading:
+        yield reading
+
+
+def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
+    """What a regular file holds, of at most so many bytes. Raises ConfigError."""
+    source = os.fspath(path)
+    with opened(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        try:
+            data = b"" if size > most else file.read(most + 1)
+        except OSError as error:
+            raise ConfigError(source, "file", "a readable file", str(error.strerror)) from error
+    if max(size, len(data)) > most:
+        raise ConfigError(source, "file", f"at most {most} bytes", f"{max(size, len(data))} or more")
     return data
 
 

@@ -82,3 +82,28 @@ def test_what_a_killed_writer_left_is_removed(tmp_path: Path) -> None:
             beside.write_text("new")
     assert set(tmp_path.iterdir()) == before | {file, tmp_path / "another"}
     assert (tmp_path / "another").read_text() == "whole"  # who still writes keeps its folder
+
+
+def test_what_a_killed_core_left_is_removed(tmp_path: Path) -> None:
+    left, held = tmp_path / "map.png.crossgait-12-0.tmp", tmp_path / "b.crossgait-13-0.tmp"
+    for file in (left, held):
+        file.write_text("half")
+        os.utime(file, (time.time() - 10,) * 2)
+    with held.open() as lives:
+        fcntl.flock(lives, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        with written_whole(tmp_path / "file") as beside:
+            beside.write_text("new")
+    assert {path.name for path in tmp_path.iterdir()} == {"file", held.name}
+
+
+def test_what_is_written_outlives_a_power_cut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    synced: list[int] = []
+
+    def sync(file: int) -> None:
+        assert not (tmp_path / "file").exists()  # before it is in its place
+        synced.append(os.fstat(file).st_size)
+
+    monkeypatch.setattr(os, "fsync", sync)
+    with written_whole(tmp_path / "file") as beside:
+        beside.write_text("new")
+    assert synced == [3]

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from crossgait.errors import ConfigError
+from crossgait.files import written_whole
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -110,7 +111,8 @@ def write_actuator(actuator: Actuator, folder: Path) -> str:
         "torque_scale": repr(actuator.torque_scale),
     }
     contents = {k: np.ascontiguousarray(v, dtype=np.float64) for k, v in (tensors | golden).items()}
-    safetensors.numpy.save_file(contents, folder / ACTUATOR_FILE, metadata)
+    with written_whole(folder / ACTUATOR_FILE) as beside:
+        safetensors.numpy.save_file(contents, beside, metadata)
     return ACTUATOR_FILE
 
 

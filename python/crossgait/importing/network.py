@@ -10,7 +10,7 @@ import numpy as np
 
 from crossgait._core import LAYOUT_VERSION, PolicyInterface
 from crossgait.errors import ConfigError
-from crossgait.files import read_bytes, written_whole
+from crossgait.files import opened, read_bytes, written_whole
 from crossgait.importing.onnx_network import OnnxNetwork
 from crossgait.policies.policy import Policy
 from crossgait.sweep.strict_yaml import write_yaml
@@ -36,8 +36,8 @@ def write_network(file: str, interface: PolicyInterface, folder: Path, agent: An
         ConfigError: for a file that is none of these, or of other sizes than the environment's
 
     """
-    with open(file, "rb") as opened:
-        begins = opened.read(4)
+    with opened(file) as reading:
+        begins = reading.read(4)
     if file.endswith(".onnx"):
         return _write_onnx(file, interface, folder)
     if file.endswith(".safetensors"):

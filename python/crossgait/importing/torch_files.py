@@ -12,6 +12,7 @@ import numpy as np
 
 from crossgait._core import MlpNetwork, PolicyInterface
 from crossgait.errors import ConfigError
+from crossgait.files import CHECKPOINT_BYTES, read_bytes
 from crossgait.importing.onnx_network import OnnxNetwork
 from crossgait.importing.stated import Stated
 from crossgait.policies.place import Place
@@ -29,8 +30,9 @@ _STEPS = 12
 
 def is_script(file: str) -> bool:
     """Whether a zip of PyTorch's is TorchScript, which has code; a checkpoint has none."""
+    saved = io.BytesIO(read_bytes(file, CHECKPOINT_BYTES))
     try:
-        with zipfile.ZipFile(file) as archive:
+        with zipfile.ZipFile(saved) as archive:
             return any("/code/" in name or name.endswith("constants.pkl") for name in archive.namelist())
     except Exception as error:  # of no common type
         raise ConfigError(file, "file", "a file of PyTorch's", str(error)) from error
@@ -179,8 +181,9 @@ class _Weights:
     @classmethod
     def load(cls, file: str) -> _Weights:
         """Of a file, tensors alone. Raises ConfigError."""
+        content = io.BytesIO(read_bytes(file, CHECKPOINT_BYTES))
         try:
-            saved = torch.load(file, map_location="cpu", weights_only=True)
+            saved = torch.load(content, map_location="cpu", weights_only=True)
         except Exception as error:  # of no common type
             found = str(error).strip().splitlines()[:1] or [type(error).__name__]
             raise ConfigError(file, "file", "a checkpoint of tensors alone", found[0]) from error

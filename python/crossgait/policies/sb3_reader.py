@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import pickle
 from collections.abc import Callable
@@ -12,6 +13,7 @@ import numpy as np
 
 from crossgait._core import MlpNetwork, PolicyInterface
 from crossgait.consent import require_consent
+from crossgait.files import CHECKPOINT_BYTES, read_bytes
 from crossgait.layout import Layout
 from crossgait.policies import expression, torch_reader
 from crossgait.policies.expression import Affine, FloatArray
@@ -85,8 +87,9 @@ def _policy(model: Any, source: str) -> BasePolicy:
 def _from_zip(path: str) -> BasePolicy:
     """The policy alone, of whichever algorithm: weights and how it was built."""
     require_consent(path, "Stable-Baselines3 unpickles it")
+    saved = io.BytesIO(read_bytes(path, CHECKPOINT_BYTES))
     try:
-        data, parameters, _ = load_from_zip_file(path, device="cpu")
+        data, parameters, _ = load_from_zip_file(saved, device="cpu")
         assert data is not None
         options = dict(data["policy_kwargs"])
         if data.get("use_sde"):
@@ -129,9 +132,9 @@ def _normalisation(
     if isinstance(vecnormalize, (str, os.PathLike)):
         source = os.fspath(vecnormalize)
         require_consent(source, "Stable-Baselines3 unpickles it")
+        saved = read_bytes(source, CHECKPOINT_BYTES)
         try:
-            with open(source, "rb") as file:
-                vecnormalize = pickle.load(file)
+            vecnormalize = pickle.loads(saved)
         except Exception as error:  # whatever unpickling raises
             Place(source, "file").fail("what VecNormalize.save writes", f"{type(error).__name__}: {error}")
     if not isinstance(vecnormalize, VecNormalize):

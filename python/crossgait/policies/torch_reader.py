@@ -14,6 +14,7 @@ import numpy as np
 from crossgait._core import MlpNetwork
 from crossgait.consent import require_consent
 from crossgait.errors import ConfigError
+from crossgait.files import CHECKPOINT_BYTES, read_bytes
 from crossgait.layout import Layout
 from crossgait.policies import expression
 from crossgait.policies.expression import Affine, FloatArray
@@ -38,15 +39,17 @@ class TorchNetwork:
 
 def load_script(file: str | io.BytesIO) -> torch.nn.Module:
     """A TorchScript file. Raises ConfigError, also without consent to what it runs."""
+    source = str(file)
     if isinstance(file, str):
         require_consent(file, "PyTorch's interpreter runs TorchScript")
+        file = io.BytesIO(read_bytes(file, CHECKPOINT_BYTES))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of TorchScript as such
             module: torch.nn.Module = torch.jit.load(file, map_location="cpu")  # type: ignore[no-untyped-call]
             return module
     except Exception as error:  # of no common type
-        Place(str(file), "file").fail("TorchScript, as torch.jit.save writes it", _first_line(error))
+        Place(source, "file").fail("TorchScript, as torch.jit.save writes it", _first_line(error))
 
 
 def read(

@@ -19,7 +19,7 @@ except ImportError as error:
     raise ImportError("Trace.to_mcap needs mcap: pip install crossgait[mcap]") from error
 
 from crossgait import _core
-from crossgait.files import written_whole
+from crossgait.files import read_bytes, written_whole
 from crossgait.traces import scene
 from crossgait.traces.scene import MEDIA_TYPES, Ground, Shape
 from crossgait.traces.table import Numbers, TraceTable
@@ -27,6 +27,7 @@ from crossgait.traces.table import Numbers, TraceTable
 Json = dict[str, Any]
 
 _FOOTFALL_RADIUS = 0.006  # m
+MOST_MESH = 32 << 20  #: bytes of a file, as the core reads
 _FOOTFALL_COLOUR = np.array([0.9, 0.35, 0.1, 1.0])
 
 
@@ -238,7 +239,7 @@ def _primitives(shape: Shape) -> list[tuple[str, Json]]:
                 "scale": _vector(shape.scale),
                 "override_color": False,
                 "media_type": MEDIA_TYPES[shape.mesh.suffix.lower()],
-                "data": base64.b64encode(shape.mesh.read_bytes()).decode(),
+                "data": base64.b64encode(read_bytes(shape.mesh, MOST_MESH)).decode(),
             }
             return [("models", {**common, **model})]
         case other:

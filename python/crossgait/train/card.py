@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from crossgait.errors import ConfigError
-from crossgait.files import written_whole
+from crossgait.files import read_bytes, written_whole
 from crossgait.train import evaluation, record
 from crossgait.train.plan import Plan
 from crossgait.train.trainer import EVALUATIONS, PROGRESS, Clock, Trained
@@ -53,7 +53,7 @@ def write(plan: Plan, folder: Path, trained: Sequence[Trained]) -> str:
 
 
 def _what(plan: Plan, folder: Path, trained: Sequence[Trained]) -> list[str]:
-    commands = [json.loads(line) for line in (folder / "commands.jsonl").read_text().splitlines()]
+    commands = [json.loads(line) for line in read_bytes(folder / "commands.jsonl", 1 << 20).splitlines()]
     first, versions = commands[0], commands[-1]["versions"]
     engines = ", ".join(f"{name} ({count})" for name, count in plan.engines)
     git = first["git"]

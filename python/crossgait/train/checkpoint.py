@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import io
 import random
 from pathlib import Path
 from typing import Any
@@ -14,10 +14,11 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.vec_env import VecNormalize
 
 from crossgait.errors import ConfigError
-from crossgait.files import written_whole
+from crossgait.files import read_bytes, written_whole
 
 VERSION = 1
 NAME = "checkpoint.pt"
+MOST_BYTES = 1 << 30
 
 
 def save(folder: Path, model: PPO, normalise: VecNormalize, state: dict[str, Any]) -> None:
@@ -38,8 +39,6 @@ def save(folder: Path, model: PPO, normalise: VecNormalize, state: dict[str, Any
     }
     with written_whole(folder / NAME) as beside:
         torch.save(document, beside)
-        with beside.open("rb+") as file:
-            os.fsync(file.fileno())
 
 
 def load(folder: Path, model: PPO, normalise: VecNormalize) -> dict[str, Any]:
@@ -66,8 +65,9 @@ def load(folder: Path, model: PPO, normalise: VecNormalize) -> dict[str, Any]:
 
 def read(folder: Path) -> dict[str, Any]:
     """All that a checkpoint holds, by name. Raises ConfigError. Nothing in the file is executed."""
+    saved = io.BytesIO(read_bytes(folder / NAME, MOST_BYTES))
     try:
-        document: dict[str, Any] = torch.load(folder / NAME, map_location="cpu", weights_only=True)
+        document: dict[str, Any] = torch.load(saved, map_location="cpu", weights_only=True)
         if document["version"] != VERSION:
             raise ValueError(f"version {document['version']}")
     except Exception as error:  # of zip files, pickles

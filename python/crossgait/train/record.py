@@ -10,9 +10,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from crossgait.files import written_whole
+from crossgait.files import read_bytes, written_whole
 
 Row = dict[str, Any]
+MOST_BYTES = 256 << 20  #: of a table
 
 
 class Table:
@@ -56,7 +57,7 @@ def read(path: Path) -> list[Row]:
     """Rows of a table, numbers as numbers and what is missing as None; a torn last line is none."""
     if not path.exists():
         return []
-    lines = path.read_text().splitlines(keepends=True)
+    lines = read_bytes(path, MOST_BYTES).decode().splitlines(keepends=True)
     whole = [line for line in lines if line.endswith("\n")]
     return [{k: _value(v) for k, v in row.items()} for row in csv.DictReader(whole)]
 
