@@ -63,6 +63,9 @@ void bind_store(nb::module_& m) {
           nb::arg("row"), "Appends a row. Returns its hash, and whether the run failed. Raises ConfigError.")
       .def("sync", [](OpenStore& self) { self.get("sync").sync(); })
       .def(
+          "check_place", [](const OpenStore& self) { self.get("check_place").check_place(); },
+          "Raises ConfigError if the file was removed or replaced.")
+      .def(
           "close", [](OpenStore& self) { self.store.reset(); }, "Lets go of the lock.");
   m.def(
       "_check_row",
@@ -72,10 +75,10 @@ void bind_store(nb::module_& m) {
       nb::arg("line"), nb::arg("path"), nb::arg("number"), "Raises ConfigError for what is no stored run.");
   m.def(
       "_is_torn_row",
-      [](const nb::bytes& line) {
-        return is_torn_row({line.c_str(), line.size()});
+      [](const nb::bytes& line, bool has_rows_before) {
+        return is_torn_row({line.c_str(), line.size()}, has_rows_before);
       },
-      nb::arg("line"), "Whether a last line is what a writer leaves that is stopped on its way.");
+      nb::arg("line"), nb::arg("has_rows_before"), "Whether a last line is what a writer leaves that is stopped on its way.");
 }
 
 }  // namespace

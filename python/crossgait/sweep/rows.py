@@ -7,89 +7,53 @@ from __future__ import annotations
 
 import json
 import os
-import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from crossgait import _core
 from crossgait._core import EnvironmentConfig
 from crossgait.errors import ConfigError
 from crossgait.extras import needed_for
-from crossgait.files import lock, written_whole
+from crossgait.files import check_outputs, opened, written_whole
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from crossgait.sweep.study import Study
 
-SYNC_SECONDS = 2.0  #: what a power cut may cost at most
-
-
-_BEGIN = b'{"hash":"0123456789abcdef","run":{'  #: of every row, with any digits
-_HASH = range(9, 25)  #: places of the digits
-
-
-def _is_torn(line: bytes, has_rows_before: bool) -> bool:
-    """Whether a last line without end is what the writer of a row leaves that is stopped on its way.
-
-    That is the beginning of a row as far as it goes, and no whole value behind which something else stands. Of a file
-    that has no row before it, the whole of the hash has to be there: `{"hash":"my` is somebody's.
-    """
-    if not has_rows_before and len(line) <= _HASH.stop:
-        return False
-    for i, (found, byte) in enumerate(zip(line, _BEGIN, strict=False)):
-        if found not in b"0123456789abcdef" if i in _HASH else found != byte:
-            return False
-    try:
-        json.JSONDecoder().raw_decode(line.decode(errors="replace"))
-    except ValueError:
-        return True
-    return False
+MOST_BYTES = 16 << 30  #: of a file, as the core has it
+MOST_ROW = 1 << 20  #: bytes of a row
 
 
 def _whole_lines(path: Path) -> Iterator[tuple[bytes, dict[str, Any]]]:
     """Lines with what they say; a last one may lack its end, and is none if it was cut off. Raises ConfigError."""
-    with path.open("rb") as file:
-        for number, line in enumerate(file, 1):
-            if not line.endswith(b"\n") and _is_torn(line, number > 1):
+    with opened(path) as file:
+        if (size := os.fstat(file.fileno()).st_size) > MOST_BYTES:
+            raise ConfigError(str(path), "file", f"at most {MOST_BYTES} bytes", str(size))
+        number = 0
+        while line := file.readline(MOST_ROW + 2):
+            number += 1
+            if len(line) > MOST_ROW + 1:
+                raise ConfigError(str(path), f"line {number}", f"at most {MOST_ROW} bytes", "more")
+            if not line.endswith(b"\n") and _core._is_torn_row(line, number > 1):
                 return
-            try:
-                row = json.loads(line)
-                if not isinstance(row["hash"], str) or not ("error" in row or isinstance(row["result"], dict)):
-                    raise ValueError("no hash with a result or an error")
-            except (ValueError, KeyError, TypeError, RecursionError) as error:
-                found = f"no {error}" if isinstance(error, KeyError) else str(error)
-                raise ConfigError(str(path), f"line {number}", "a stored run", found) from error
-            yield line, row
+            _core._check_row(line.removesuffix(b"\n"), str(path), number)
+            yield line, json.loads(line)
 
 
 class RowFile:
-    """The file of one sweep, while it is being written. `with` it: another writer is refused meanwhile."""
+    """The file of one sweep, while it is being written. `with` it: another writer is refused meanwhile.
+
+    It is the core's `RunStore`: what is a row, its lock, its index and its torn last line are those of verdicts.
+    """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Open it, which changes nothing that is there. Raises ConfigError."""
         self.path = Path(path)
-        self.failed: dict[str, bool] = {}  #: hashes that are there, and whether the run failed
-        self._dirty = False
-        self._synced = time.monotonic()
-        if self.path.exists() and not self.path.is_file():
-            raise ConfigError(str(path), "file", "a regular file", "a folder, pipe or device")
-        try:
-            self._file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
-        except OSError as error:
-            raise ConfigError(str(path), "file", "one that can be written", str(error.strerror)) from error
-        try:
-            lock(self._file, self.path, "file", "one writer at a time")
-            whole, self._lacks_end = 0, False
-            for line, row in _whole_lines(self.path):
-                whole += len(line)
-                self._lacks_end = not line.endswith(b"\n")
-                self.failed[row["hash"]] = "error" in row
-            self._torn = range(whole, os.fstat(self._file).st_size)  #: bytes of a line that was cut off
-        except BaseException:
-            os.close(self._file)
-            raise
+        self._store = _core._RunStore(os.fspath(path))
+        self.failed: dict[str, bool] = self._store.rows()  #: hashes that are there, and whether the run failed
 
     def __enter__(self) -> RowFile:
         return self
@@ -100,57 +64,18 @@ class RowFile:
         try:
             self.sync()
             if kind is None:
-                self._check_place()
+                self._store.check_place()
         finally:
-            os.close(self._file)  # and with it the lock
-
-    def _check_place(self) -> None:
-        """Programs that ask for no lock remove or replace a file, and what is appended then is nowhere."""
-        opened = os.fstat(self._file)
-        try:
-            found = "another in its place" if not os.path.samestat(opened, os.stat(self.path)) else ""
-        except OSError:
-            found = "none"
-        if found:
-            expected = "the file that was opened, at its path as long as it is written"
-            raise ConfigError(str(self.path), "file", expected, f"{found}: what was added since is lost")
+            self._store.close()  # and with it the lock
 
     def add(self, row: str) -> None:
         """Append a row, whole or not at all; once it returns, the row outlives this process. Raises ConfigError."""
-        said = json.loads(row)
-        self._check_place()
-        if self._torn:
-            self._cut(self._torn.start, self._torn.stop)
-            self._torn = range(0)
-        data = memoryview((("\n" if self._lacks_end else "") + row + "\n").encode())
-        before, written = os.fstat(self._file).st_size, 0
-        try:
-            while written < len(data):
-                written += os.write(self._file, data[written:])
-        except OSError as error:
-            # Only what is ours: whoever does not ask for the lock may have written behind it.
-            if written and os.fstat(self._file).st_size == before + written:
-                self._cut(before, before + written)
-            raise ConfigError(str(self.path), "file", "room for a row", str(error.strerror)) from error
-        self._lacks_end = False
-        self.failed[said["hash"]] = "error" in said
-        self._dirty = True
-        if time.monotonic() - self._synced > SYNC_SECONDS:
-            self.sync()
-
-    def _cut(self, size: int, expected: int) -> None:
-        """Leave the first `size` bytes of `expected`."""
-        if (found := os.fstat(self._file).st_size) != expected:
-            expected_size, other = f"{expected} bytes, as it was read", f"{found}: another program writes it"
-            raise ConfigError(str(self.path), "file", expected_size, other)
-        os.ftruncate(self._file, size)
+        made, failed = self._store.add(row)
+        self.failed[made] = failed and self.failed.get(made, True)  # what is made stays made
 
     def sync(self) -> None:
         """See that the rows outlive a power cut."""
-        if self._dirty:
-            os.fsync(self._file)
-            self._dirty = False
-        self._synced = time.monotonic()
+        self._store.sync()
 
 
 def write_sorted(path: str | os.PathLike[str], hashes: Iterable[str], target: str | os.PathLike[str]) -> int:
@@ -162,17 +87,14 @@ def write_sorted(path: str | os.PathLike[str], hashes: Iterable[str], target: st
         how many there were.
 
     Raises:
-        ConfigError: if the target is the file itself, which may hold other rows too.
+        ConfigError: if the target is the file itself, which may hold other rows too, or that is no file of rows.
 
     """
-    if os.path.exists(target) and os.path.samefile(path, target):
-        raise ConfigError(os.fspath(target), "--sorted", "another file than that of the rows", "the same")
+    check_outputs([("--sorted", target)], [("the rows", path), ("the rows", f"{os.fspath(path)}.index")])
     rows = {row["hash"]: line.rstrip(b"\n") + b"\n" for line, row in _whole_lines(Path(path))}
     there = [rows[name] for name in hashes if name in rows]
     with written_whole(target) as beside, beside.open("wb") as file:
         file.writelines(there)
-        file.flush()
-        os.fsync(file.fileno())
     return len(there)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from crossgait import _core
 from crossgait.errors import ConfigError
 from crossgait.extras import needed_for
 from crossgait.files import written_whole
@@ -82,22 +82,9 @@ class TraceTable:
 
     @classmethod
     def read_csv(cls, path: str | os.PathLike[str]) -> Self:
-        """Read what `crossgait walk --trace` wrote. Raises ConfigError."""
-        with open(path, newline="") as file:
-            rows = csv.reader(file)
-            names = next(rows, [])
-            if "time" not in names:
-                raise ConfigError(str(path), "line 1", "names of columns, time among them", ",".join(names)[:60])
-            table = []
-            for number, row in enumerate(rows, start=2):
-                try:
-                    values = [float(cell) for cell in row]
-                except ValueError as error:
-                    raise ConfigError(str(path), f"line {number}", "numbers", str(error)) from None
-                if len(values) != len(names) or not np.all(np.isfinite(values)):
-                    raise ConfigError(str(path), f"line {number}", f"{len(names)} finite numbers", ",".join(row)[:60])
-                table.append(values)
-        return cls(names, np.array(table, dtype=np.float64).reshape(-1, len(names)), name=Path(path).stem)
+        """Read what `crossgait walk --trace` wrote, at most 64 MiB (docs/hostile-input.md). Raises ConfigError."""
+        names, values = _core._read_trace(os.fspath(path))
+        return cls(names, values, name=Path(path).stem)
 
     def __repr__(self) -> str:
         seconds = self.time[-1] - self.time[0] if len(self) else 0.0
