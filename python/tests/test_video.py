@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import imageio.v3
@@ -129,3 +131,29 @@ def test_the_command_says_what_is_wrong(tmp_path: Path) -> None:
         assert done.returncode == 2, done.stderr
         assert words in done.stderr
         assert not (tmp_path / arguments[0]).exists()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_painter_too(number: signal.Signals, walked: list[crossgait.Trace], tmp_path: Path) -> None:
+    """To the program alone, as `kill` sends it."""
+    trace = tmp_path / "long.csv"
+    values = np.repeat(walked[0].values[:1], 2, axis=0)
+    values[:, 0] = [0, 600]
+    crossgait.Trace(walked[0].names, values).to_csv(trace)
+    command = [PROGRAM, "video", str(tmp_path / "film.mp4"), str(trace), "--width", "64", "--height", "64"]
+
+    def listen() -> None:  # what runs in the background may ignore them
+        for each in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(each, signal.SIG_DFL)
+
+    program = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=listen)
+    until = time.monotonic() + 60
+    while not list(tmp_path.glob(".crossgait-*/film.mp4")) and program.poll() is None and time.monotonic() < until:
+        time.sleep(0.05)
+    children = Path(f"/proc/{program.pid}/task/{program.pid}/children").read_text().split()
+    assert children
+    program.send_signal(number)
+    _, errors = program.communicate(timeout=60)
+    assert program.returncode == 130, errors
+    assert not any(Path("/proc", child).exists() for child in children)
+    assert list(tmp_path.iterdir()) == [trace]

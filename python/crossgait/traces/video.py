@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from crossgait import _core
-from crossgait.commands import say
+from crossgait.commands import exit_code, say
 from crossgait.errors import ConfigError
-from crossgait.files import written_whole
+from crossgait.files import check_outputs, noting_reads, written_whole
 from crossgait.progress import Progress, ProgressBar, shown
 from crossgait.traces.scene import the_robot
 from crossgait.traces.table import Numbers, TraceTable
@@ -71,7 +71,8 @@ def write(
         progress: as `crossgait.walk` takes it.
 
     Raises:
-        ConfigError: for another ending, a trace of another robot, one without rows, or outcomes of some alone.
+        ConfigError: for another ending, a trace of another robot, one without rows, times that do not ascend, more
+            than `film` takes (docs/limits.md), or outcomes of some alone.
         RuntimeError: where no graphics context can be made.
 
     """
@@ -79,10 +80,14 @@ def write(
     for trace in traces:
         if len(trace) == 0:
             raise ConfigError(trace.name or "trace", "rows", "one at least", "none")
+        if not (np.diff(trace.time) > 0).all():
+            raise ConfigError(trace.name or "trace", "time", "times that ascend", "one that does not")
         the_robot(trace, robot)
     if outcomes is not None and len(outcomes) != len(traces):
         raise ConfigError("film", "outcomes", f"one for each of {len(traces)} traces", str(len(outcomes)))
     size = (width - width % _EVEN, height - height % _EVEN)
+    count = _count_frames(traces, fps * slow)
+    film.check_size(path, count, count * size[0] * len(traces) * size[1])
     camera: dict[str, Any] = {"azimuth": azimuth, "elevation": elevation, "distance": distance, "look_at": look_at}
     renderers = [Renderer(robot, terrain, width=size[0], height=size[1], **camera) for _ in traces]
     told = shown(progress)
@@ -107,9 +112,8 @@ def _frames(
     told: Any,
 ) -> Iterator[Frame]:
     """Panels beside each other, `per_second` for each simulated second."""
-    begin = min(float(trace.time[0]) for trace in traces)
-    end = max(float(trace.time[-1]) for trace in traces)
-    count = max(1, round((end - begin) * per_second))
+    begin, end = _span(traces)
+    count = _count_frames(traces, per_second)
     ends = outcomes if outcomes is not None else [("", end)] * len(traces)
     for number in range(count):
         now = begin + number / per_second
@@ -126,6 +130,15 @@ def _frames(
         yield np.concatenate(panels, axis=1)
         if told is not None:
             told("drawing", (number + 1) / count)
+
+
+def _span(traces: Sequence[TraceTable]) -> tuple[float, float]:
+    return min(float(trace.time[0]) for trace in traces), max(float(trace.time[-1]) for trace in traces)
+
+
+def _count_frames(traces: Sequence[TraceTable], per_second: float) -> int:
+    begin, end = _span(traces)
+    return max(1, round((end - begin) * per_second))
 
 
 def _shared_look(states: Sequence[_core.State]) -> tuple[Numbers, float]:
@@ -188,34 +201,35 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _run(options: argparse.Namespace) -> int:
+    with noting_reads() as read:
+        traces = [TraceTable.read_csv(file) for file in options.traces]
+        robot = _core.Robot.load(options.robot)
+        terrain = _core.Terrain(options.terrain, seed=options.seed)
+    check_outputs([("--out", options.out)], read)
+    write(
+        traces,
+        options.out,
+        robot,
+        terrain,
+        fps=options.fps,
+        slow=options.slow,
+        width=options.width,
+        height=options.height,
+        azimuth=options.azimuth,
+        elevation=options.elevation,
+        shared_camera=options.shared_camera,
+        outcomes=options.outcome,
+        progress=None,
+    )
+    say(f"{options.out}: {os.path.getsize(options.out) / 1e6:.1f} MB")
+    return 0
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Draw traces. Returns the exit code: 2 for bad input."""
     options = _parser().parse_args(arguments)
-    try:
-        traces = [TraceTable.read_csv(file) for file in options.traces]
-        write(
-            traces,
-            options.out,
-            _core.Robot.load(options.robot),
-            _core.Terrain(options.terrain, seed=options.seed),
-            fps=options.fps,
-            slow=options.slow,
-            width=options.width,
-            height=options.height,
-            azimuth=options.azimuth,
-            elevation=options.elevation,
-            shared_camera=options.shared_camera,
-            outcomes=options.outcome,
-            progress=None,
-        )
-    except (ConfigError, OSError) as error:
-        say(f"crossgait: {error}", error=True)
-        return 2
-    except RuntimeError as error:
-        say(f"crossgait: {error}", error=True)
-        return 1
-    say(f"{options.out}: {os.path.getsize(options.out) / 1e6:.1f} MB")
-    return 0
+    return exit_code("crossgait", lambda: _run(options))
 
 
 if __name__ == "__main__":

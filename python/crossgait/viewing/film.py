@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from crossgait.errors import ConfigError
 
 #: Endings of the files that can be written.
 KINDS = (".mp4", ".gif", ".webp")
+_KEPT = (".gif", ".webp")  #: whose frames stay in memory until the end
+
+MOST_FRAMES = 36_000  #: twenty minutes at 30 a second
+MOST_KEPT_PIXELS = 3e8  #: three bytes each
 
 
 class _Pictures:
@@ -20,9 +27,7 @@ class _Pictures:
         self._frames: list[Any] = []
 
     def append_data(self, frame: Any) -> None:
-        from PIL import Image
-
-        self._frames.append(Image.fromarray(frame))
+        self._frames.append(frame)  # a picture of Pillow's has four bytes for each three
 
     def __enter__(self) -> _Pictures:
         return self
@@ -30,26 +35,29 @@ class _Pictures:
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if kind is not None or not self._frames:
             return
+        from PIL import Image
+
+        pictures = map(Image.fromarray, self._frames)
         how: dict[str, Any] = {"duration": self._duration, "loop": 0}
         if self._path.suffix.lower() == ".gif":
-            first, *rest = _of_one_palette(self._frames)
-            first.save(self._path, format="GIF", save_all=True, append_images=rest, optimize=False, **how)
+            pictures = map(_one_palette_of(self._frames), pictures)
+            next(pictures).save(self._path, format="GIF", save_all=True, append_images=pictures, optimize=False, **how)
         else:
-            first, *rest = self._frames
-            first.save(self._path, format="WEBP", save_all=True, append_images=rest, quality=60, method=4, **how)
+            next(pictures).save(
+                self._path, format="WEBP", save_all=True, append_images=pictures, quality=60, method=4, **how
+            )
 
 
-def _of_one_palette(frames: list[Any]) -> list[Any]:
-    """Return the frames in 256 colours of eight of them, not dithered: dots that flicker are most of a GIF's size."""
+def _one_palette_of(frames: list[Any]) -> Callable[[Any], Any]:
+    """Return what puts pictures into 256 colours of eight frames.
+
+    They are not dithered: dots that flicker are most of a GIF's size.
+    """
     from PIL import Image
 
-    some = frames[:: -(-len(frames) // 8)]
-    width, height = frames[0].size
-    together = Image.new("RGB", (width, height * len(some)))
-    for i, frame in enumerate(some):
-        together.paste(frame, (0, height * i))
+    together = Image.fromarray(np.concatenate(frames[:: -(-len(frames) // 8)]))
     palette = together.quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
-    return [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    return lambda picture: picture.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
 def check(path: str | os.PathLike[str]) -> None:
@@ -57,6 +65,15 @@ def check(path: str | os.PathLike[str]) -> None:
     kind = Path(path).suffix.lower()
     if kind not in KINDS:
         raise ConfigError(os.fspath(path), "file", f"one that ends in {' or '.join(KINDS)}", kind or "no ending")
+
+
+def check_size(path: str | os.PathLike[str], frames: int, pixels: float) -> None:
+    """Raise ConfigError for more than a film may have. `pixels` are those of all frames."""
+    if frames > MOST_FRAMES:
+        raise ConfigError(os.fspath(path), "film", f"at most {MOST_FRAMES} frames", str(frames))
+    if Path(path).suffix.lower() in _KEPT and pixels > MOST_KEPT_PIXELS:
+        expected = f"at most {MOST_KEPT_PIXELS:.0e} pixels in all frames of a GIF or WebP; an MP4 may have more"
+        raise ConfigError(os.fspath(path), "film", expected, f"{pixels:.2g}")
 
 
 def writer(path: Path, frames_per_second: float) -> Any:
@@ -68,6 +85,6 @@ def writer(path: Path, frames_per_second: float) -> Any:
         import imageio.v2 as imageio
     except ImportError as error:
         raise ImportError("films are written with imageio: pip install crossgait[video]") from error
-    if path.suffix.lower() in (".webp", ".gif"):
+    if path.suffix.lower() in _KEPT:
         return _Pictures(path, frames_per_second)
     return imageio.get_writer(path, fps=frames_per_second, macro_block_size=2)

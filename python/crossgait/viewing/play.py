@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 from collections.abc import Sequence
@@ -11,7 +12,7 @@ from typing import Any
 from crossgait import _core
 from crossgait.commands import exit_code
 from crossgait.errors import ConfigError
-from crossgait.files import written_whole
+from crossgait.files import check_outputs, noting_reads, written_whole
 from crossgait.inputs import EngineLike, EnvironmentLike, as_engine, environment_for
 from crossgait.policies import Policy
 from crossgait.policies.environment import environment_of
@@ -59,15 +60,20 @@ def play(
         film.check(video)
     from crossgait.viewing.rendering import EnvironmentRenderer
 
-    config = environment_for(environment, policy, source="play")
-    core = _core.Environment(config, "" if engine is None else as_engine(engine, "play"))
-    actor = policy.made_for(config) if isinstance(policy, Policy) else Policy.load(policy, config)
+    with noting_reads() as read:
+        config = environment_for(environment, policy, source="play")
+        core = _core.Environment(config, "" if engine is None else as_engine(engine, "play"))
+        actor = policy.made_for(config) if isinstance(policy, Policy) else Policy.load(policy, config)
+    check_outputs([("video", video)], read)
     renderer = EnvironmentRenderer(*size)
     try:
         if video is None:
             _episode(core, actor, seed, seconds, lambda: renderer.show(core))
         else:
             every = max(1, round(1 / (FRAME_RATE * config.policy_dt)))
+            longest = min(config.episode_seconds, math.inf if seconds is None else seconds)
+            frames = math.ceil(longest / (every * config.policy_dt)) + 1
+            film.check_size(video, frames, frames * size[0] * size[1])
             with written_whole(video) as beside, film.writer(beside, 1 / (every * config.policy_dt)) as writer:
                 count = [0]
 
@@ -121,6 +127,7 @@ def _run(options: argparse.Namespace) -> int:
     environment = environment_of([options.policy], options.environment)
     if options.terrain:
         environment = environment.updated({"terrain": options.terrain}, "--terrain")
+    check_outputs([("--video", options.video)], [("POLICY", options.policy), ("--environment", options.environment)])
     summary = play(
         options.policy,
         environment,
