@@ -11,9 +11,9 @@ from typing import Any
 
 from crossgait._core import EnvironmentConfig, PolicyInterface, Robot
 from crossgait.errors import ConfigError
-from crossgait.files import read_bytes, written_whole
+from crossgait.files import check_outputs, noting_reads, read_bytes, written_whole
 from crossgait.importing import environment, forms, network, stated, terms
-from crossgait.importing.actuator import write_actuator
+from crossgait.importing.actuator import ACTUATOR_FILE, write_actuator
 from crossgait.importing.contract import SETTINGS, Contract, Field
 from crossgait.importing.stated import Stated
 from crossgait.sweep import strict_yaml
@@ -112,10 +112,15 @@ def import_policy(
     """
     file, name = os.fspath(policy), os.fspath(robot)
     files = [os.fspath(sources)] if isinstance(sources, (str, os.PathLike)) else [os.fspath(s) for s in sources]
-    contract = Contract(Robot.load(name))
-    roots, agent = _read_files(files, config_class)
-    if file.endswith(".onnx"):
-        roots += _metadata(file)
+    with noting_reads() as read:
+        contract = Contract(Robot.load(name))
+        roots, agent = _read_files(files, config_class)
+        if file.endswith(".onnx"):
+            roots += _metadata(file)
+    folder = Path(os.path.abspath(out))
+    written_there = (f"{folder.name}{ending}" for ending in (".onnx", ".yaml", ".safetensors"))
+    outputs = [("--out", folder / each) for each in (*written_there, ENVIRONMENT_FILE, TABLE_FILE, ACTUATOR_FILE)]
+    check_outputs(outputs, [("the policy", file), *read])
     if not roots and not settings:
         raise ConfigError(file, "interface", "a file that says it (--from), or metadata in it", "neither")
     _say_settings(contract, settings or {})
@@ -124,7 +129,6 @@ def import_policy(
         forms.find_form(root).read(root, contract, forms.Options(joint_order, folders))
     _require(contract, file)
     made = environment.make_environment(contract, name)
-    folder = Path(os.path.abspath(out))
     folder.mkdir(parents=True, exist_ok=True)
     environment_file = folder / ENVIRONMENT_FILE
     if contract.actuator is not None:

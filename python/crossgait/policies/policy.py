@@ -13,6 +13,7 @@ import numpy.typing as npt
 from crossgait import _core
 from crossgait._core import EnvironmentConfig, MlpNetwork, PolicyBundle, PolicyInterface
 from crossgait.errors import ConfigError
+from crossgait.files import check_outputs
 from crossgait.inputs import InterfaceLike, as_environment, environment_for
 from crossgait.layout import EnvironmentLayout, Layout
 from crossgait.policies import agreement, expression
@@ -286,6 +287,7 @@ class Policy:
         from crossgait.policies import onnx_writer
 
         bundle = self._needed_bundle("ONNX file")
+        check_outputs([("file", file)], [("the policy", self._text or self.name)])
         model = onnx_writer.to_model(bundle, self.layout.action)
         given = bundle.golden_observation.astype(np.float32)
         theirs = onnx_writer.run(model, given, os.fspath(file))

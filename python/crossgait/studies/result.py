@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from crossgait.errors import ConfigError
 from crossgait.extras import needed_for
-from crossgait.files import written_whole
+from crossgait.files import check_outputs, written_whole
 from crossgait.traces import Trace
 
 if TYPE_CHECKING:
@@ -33,7 +33,9 @@ class Result:
         return copy
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the document as JSON. The file appears whole or not at all."""
+        """Write the document as JSON, whole or not at all. Raises ConfigError for a file that it is a result of."""
+        files = self.document.get("provenance", {}).get("files", {})
+        check_outputs([("path", path)], [("what was read", file) for file in files])
         with written_whole(path) as beside, open(beside, "w") as file:
             json.dump(self.document, file, indent=2)
             file.write("\n")

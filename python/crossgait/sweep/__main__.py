@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from crossgait.commands import INTERRUPTED, exit_code, say
-from crossgait.files import written_whole
+from crossgait.files import Named, check_outputs, noting_reads, written_whole
 from crossgait.sweep.cluster import RayCluster
 from crossgait.sweep.executors import Executor
 from crossgait.sweep.pool import ProcessPool, usable_cores
@@ -140,7 +140,12 @@ def _run(options: argparse.Namespace) -> int:
         _dry_run(study)
         return 0
     rows = Path(options.runs) if options.runs else Path(options.study).with_suffix(".jsonl")
-    runs = study.runs()
+    with noting_reads() as read:
+        runs = study.runs()
+    inputs: list[Named] = [("STUDY.yaml", options.study), *read]
+    store: list[Named] = [("--runs", rows), ("--runs", f"{rows}.index")]
+    check_outputs([("--json", options.json), ("--sorted", options.sorted)], [*inputs, *store])
+    check_outputs(store, inputs)
 
     def executor() -> Executor[Run, str]:
         if options.ray is not None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from crossgait.commands import INTERRUPTED, exit_code, say
 from crossgait.errors import ConfigError
 from crossgait.extras import needed_for
+from crossgait.files import check_outputs, noting_reads
 from crossgait.sweep.cluster import RayCluster
 from crossgait.sweep.pool import ProcessPool
 from crossgait.train.plan import Plan, presets
@@ -87,13 +88,17 @@ def _begun(options: argparse.Namespace) -> tuple[Plan, Path]:
 
 
 def _run(options: argparse.Namespace) -> int:
-    plan, folder = _resumed(options) if options.resume else _begun(options)
+    with noting_reads() as read:
+        plan, folder = _resumed(options) if options.resume else _begun(options)
     if options.print_config:
         print(plan.to_yaml(), end="")
         return 0
     with needed_for("runs of training", "train"):
         from crossgait.train import card
         from crossgait.train import folder as folders
+
+    if not options.resume:  # which goes on with its own files
+        check_outputs([("--out", folder / name) for name in folders.WRITTEN], [("CONFIG.yaml", options.config), *read])
 
     with folders.locked(folder):
         folders.begin(folder, plan, folders.command_line(), resume=options.resume)

@@ -13,7 +13,7 @@ from typing import Any
 from crossgait import _core
 from crossgait.commands import exit_code, say
 from crossgait.errors import ConfigError
-from crossgait.files import written_whole
+from crossgait.files import check_outputs, noting_reads, written_whole
 from crossgait.inputs import (
     EnginesLike,
     EnvironmentLike,
@@ -25,6 +25,7 @@ from crossgait.inputs import (
     environment_for,
     terrain_texts,
 )
+from crossgait.policies import Policy
 from crossgait.policies.environment import environment_of
 from crossgait.train.evaluation import evaluate, failures
 
@@ -144,9 +145,15 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _run(options: argparse.Namespace) -> int:
+    with noting_reads() as read:
+        environment = environment_of(options.policies, options.environment)
+        for policy in options.policies:
+            Policy.load(policy, environment)
+    named = [("POLICY", policy) for policy in options.policies]
+    check_outputs([("--json", options.json)], [*named, ("--environment", options.environment), *read])
     document = compare_policies(
         options.policies,
-        environment_of(options.policies, options.environment),
+        environment,
         engines=options.engines.split(",") if options.engines else None,
         terrains=options.terrain,
         episodes=options.episodes,

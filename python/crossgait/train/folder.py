@@ -20,6 +20,11 @@ from crossgait.files import lock, written_whole
 from crossgait.train.plan import Plan
 
 CONFIG, COMMANDS, ENVIRONMENT = "config.yaml", "commands.jsonl", "environment.yaml"
+#: What a run writes in its folder.
+WRITTEN = (
+    *(CONFIG, COMMANDS, ENVIRONMENT, ".lock", "checkpoint.pt", "progress.csv", "evaluations.csv", "card.md"),
+    *(f"{name}{ending}" for name in ("best", "last") for ending in (".safetensors", ".yaml")),
+)
 _PACKAGES = ("torch", "stable_baselines3", "gymnasium", "numpy")
 
 
