@@ -8,6 +8,7 @@
 #include "backends/mujoco/engine_call.h"
 #include "backends/mujoco/file_system.h"
 #include "backends/mujoco/model.h"
+#include "backends/mujoco/read_model.h"
 #include "backends/mujoco/version.h"
 #include "physics/robot/principal_inertia.h"
 
@@ -157,7 +158,7 @@ MjcfModel compile_text(const MjcfText& text) {
   files.add("model.xml", text.xml);
   for (const MjcfFile& file : text.files) files.add(file.name, file.bytes);
   std::array<char, 1000> error{};
-  const ModelPtr model(mj_loadXML("model.xml", files.get(), error.data(), static_cast<int>(error.size())));
+  const ModelPtr model(read_model(files.get(), error.data(), static_cast<int>(error.size())));
   if (!model) throw std::runtime_error(error.data());
   return Reader(*model).read();
 }

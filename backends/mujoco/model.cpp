@@ -6,6 +6,7 @@
 #include "backends/mujoco/engine_call.h"
 #include "backends/mujoco/file_system.h"
 #include "backends/mujoco/model_xml.h"
+#include "backends/mujoco/read_model.h"
 #include "physics/core/error.h"
 
 namespace crossgait::mujoco {
@@ -16,7 +17,7 @@ ModelPtr compile(const WorldSpec& spec) {
   FileSystem files;
   files.add("model.xml", model_xml(spec));
   std::array<char, 1000> error{};
-  ModelPtr model(mj_loadXML("model.xml", files.get(), error.data(), static_cast<int>(error.size())));
+  ModelPtr model(read_model(files.get(), error.data(), static_cast<int>(error.size())));
   if (!model) {
     throw ConfigError(spec.robot->source, spec.robot->name, "a robot that MuJoCo can compile", error.data());
   }

@@ -107,6 +107,40 @@ def test_a_vector_environment_says_that_it_is_in_a_fork() -> None:
     subprocess.run([sys.executable, "-W", "ignore", "-c", FORK], check=True, timeout=120)
 
 
+FORKS = """
+import os, threading, time, crossgait
+config = crossgait.EnvironmentConfig(episode_seconds=0.04)
+at_work = [True]
+
+def work():
+    while at_work:
+        crossgait.rollout("zero", config, episodes=1)
+
+thread = threading.Thread(target=work)
+thread.start()
+try:
+    for _ in range(60):
+        time.sleep(0.01)
+        child = os.fork()
+        if child == 0:
+            crossgait.rollout("zero", config, episodes=1)
+            os._exit(0)
+        until = time.monotonic() + 20
+        while (ended := os.waitpid(child, os.WNOHANG)) == (0, 0) and time.monotonic() < until:
+            time.sleep(0.01)
+        if ended == (0, 0):
+            os.kill(child, 9)
+        assert ended == (child, 0), ended
+finally:
+    at_work.clear()
+    thread.join()
+"""
+
+
+def test_a_fork_works_whatever_another_thread_does() -> None:
+    subprocess.run([sys.executable, "-W", "ignore", "-c", FORKS], check=True, timeout=240)
+
+
 def test_a_million_environments_are_refused() -> None:
     with pytest.raises(crossgait.ConfigError, match="at most 100000"):
         _core.VectorEnvironment(_core.EnvironmentConfig(), 1_000_000)
