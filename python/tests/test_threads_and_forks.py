@@ -111,6 +111,7 @@ FORKS = """
 import os, threading, time, crossgait
 config = crossgait.EnvironmentConfig(episode_seconds=0.04)
 at_work = [True]
+crossgait.rollout("zero", config, episodes=1)  # what is made once, when it is first needed
 
 def work():
     while at_work:
