@@ -39,7 +39,7 @@ bool is_ours(std::string_view name) {
 }
 
 /// Removes folders of programs that are gone. What is in them is ours to remove, links as links.
-void remove_left_over(const fs::path& among) {
+void remove_left_folders(const fs::path& among) {
   for (const std::string& name : names_in_folder(among.string())) {
     if (!is_ours(name)) continue;
     const int folder = open_folder(among / name);
@@ -56,7 +56,7 @@ void remove_left_over(const fs::path& among) {
 }  // namespace
 
 TemporaryFolder::TemporaryFolder(const std::string& command) {
-  remove_left_over(fs::temp_directory_path());
+  remove_left_folders(fs::temp_directory_path());
   while (!make(command)) {
   }
 }

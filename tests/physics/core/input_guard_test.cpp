@@ -36,7 +36,7 @@ TEST_F(InputGuards, WhatWasReadIsNotWrittenByAnyName) {
 TEST_F(InputGuards, OfWhatIsReadWhileItIsWrittenNothingIsPutInPlace) {
   const std::string file = write("network", "numbers");
   const InputGuard guard;
-  AtomicFile output(file);
+  crossgait::AtomicFile output(file);  // not the tests of it
   output.write("page");
   std::thread([&] { read_text_file(file, kYamlBudget); }).join();  // whichever thread it is
   EXPECT_EQ(config_error([&] { output.commit(); }).expected(), "a file that is not read");
