@@ -5,7 +5,6 @@
 #include <chrono>
 #include <climits>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <optional>
 #include <system_error>
@@ -58,9 +57,6 @@ bool is_temporary_folder(std::string_view name) {
   return name.starts_with(kBegin) && name.ends_with(kEnd) && name.size() > kBegin.size() + kEnd.size();
 }
 
-/// Whether it has been there long enough to be locked by whoever made it.
-bool is_settled(const struct stat& status) { return std::time(nullptr) - status.st_mtime > 1; }
-
 /// Removes temporaries whose writers are gone: those hold the lock as long as they live. Where a file system
 /// has no locks, nothing is removed.
 void remove_left_over(const fs::path& folder) {
@@ -70,11 +66,12 @@ void remove_left_over(const fs::path& folder) {
     const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (file < 0) continue;
     struct stat status {};
-    const bool is_left =
-        ::fstat(file, &status) == 0 &&
-        (is_temporary(name) ? S_ISREG(status.st_mode) : S_ISDIR(status.st_mode) && is_settled(status)) &&
-        ::flock(file, LOCK_EX | LOCK_NB) == 0;
     std::error_code error;  // what cannot be removed is left
+    // A folder that is empty may be about to be locked by whoever made it.
+    const bool is_left = ::fstat(file, &status) == 0 &&
+                         (is_temporary(name) ? S_ISREG(status.st_mode)
+                                             : S_ISDIR(status.st_mode) && !fs::is_empty(path, error)) &&
+                         ::flock(file, LOCK_EX | LOCK_NB) == 0;
     if (is_left) fs::remove_all(path, error);
     ::close(file);
   }

@@ -9,7 +9,6 @@ import re
 import shutil
 import stat
 import tempfile
-import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -138,8 +137,8 @@ def _remove_left_over(folder: Path) -> None:
         for left in os.scandir(folder):
             is_folder = left.is_dir(follow_symlinks=False)
             ours = (_TEMPORARY if is_folder else _CORES).fullmatch(left.name)
-            # Younger ones may be about to be locked.
-            if ours and time.time() - left.stat(follow_symlinks=False).st_mtime > 1:
+            # Empty ones may be about to be locked by whoever made them.
+            if ours and (any(os.scandir(left)) if is_folder else left.stat(follow_symlinks=False).st_size > 0):
                 with suppress(OSError):
                     _remove_unless_held(left.path)
 

@@ -1,6 +1,5 @@
 #include "physics/core/atomic_file.h"
 
-#include <array>
 #include <climits>
 #include <csignal>
 #include <filesystem>
@@ -14,7 +13,6 @@
 #include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -195,18 +193,18 @@ TEST_F(AtomicFile, RemovesWhatAKilledWriterOfPythonLeft) {
   const auto make = [&](const std::string& name) {
     std::filesystem::create_directory(path(name));
     write(name + "/file", "half");
-    const std::array<timeval, 2> long_ago{timeval{1, 0}, timeval{1, 0}};
-    ASSERT_EQ(::utimes(path(name).c_str(), long_ago.data()), 0);
   };
   for (const char* name :
        {".crossgait-a1_b.tmp", ".crossgait-held.tmp", ".crossgait-.tmp", "crossgait-x.tmp"})
     make(name);
+  std::filesystem::create_directory(path(".crossgait-new.tmp"));  // and about to be locked
   const int held = ::open(path(".crossgait-held.tmp").c_str(), O_RDONLY | O_DIRECTORY);
   ASSERT_EQ(::flock(held, LOCK_EX | LOCK_NB), 0);
   write_file_atomically(path("file"), "new");
   ::close(held);
   EXPECT_FALSE(std::filesystem::exists(path(".crossgait-a1_b.tmp")));
   EXPECT_TRUE(std::filesystem::exists(path(".crossgait-held.tmp/file"))) << "whose writer lives";
+  EXPECT_TRUE(std::filesystem::exists(path(".crossgait-new.tmp")));
   EXPECT_TRUE(std::filesystem::exists(path(".crossgait-.tmp/file")));
   EXPECT_TRUE(std::filesystem::exists(path("crossgait-x.tmp/file")));
 }
