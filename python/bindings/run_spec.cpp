@@ -78,7 +78,8 @@ void bind_store(nb::module_& m) {
       [](const nb::bytes& line, bool has_rows_before) {
         return is_torn_row({line.c_str(), line.size()}, has_rows_before);
       },
-      nb::arg("line"), nb::arg("has_rows_before"), "Whether a last line is what a writer leaves that is stopped on its way.");
+      nb::arg("line"), nb::arg("has_rows_before"),
+      "Whether a last line is what a writer leaves that is stopped on its way.");
 }
 
 }  // namespace
