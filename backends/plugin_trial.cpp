@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <optional>
+#include <thread>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -94,6 +96,26 @@ bool read_answer(int from, Clock::time_point end, std::string& answer) {
   }
 }
 
+/// Waits for the end of a fork that gave no answer. @returns its status; nothing if it lives on at `end`,
+/// though it closed what it was to answer on
+std::optional<int> status_until(pid_t fork, Clock::time_point end) {
+  for (;;) {
+    int status = 0;
+    const pid_t ended = ::waitpid(fork, &status, WNOHANG);
+    if (ended == fork) return status;
+    if (ended < 0 && errno != EINTR) return 0;
+    if (Clock::now() >= end) return std::nullopt;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+void end_and_reap(pid_t fork) {
+  ::kill(-fork, SIGKILL);
+  ::kill(fork, SIGKILL);  // if it has no group yet
+  while (::waitpid(fork, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
 std::string end_in_words(int status) {
   if (WIFSIGNALED(status))
     return fmt::format("signal {} ({}) ended the process in which it was tried", WTERMSIG(status),
@@ -115,19 +137,13 @@ std::string try_in_fork(const std::function<std::string()>& open, std::chrono::m
   const bool answered = fork > 0 && read_answer(pipe[0], end, answer);
   ::close(pipe[0]);
   if (fork < 0) throw_system_error(code, "a trial of a plug-in");
-  const bool late = !answered && Clock::now() >= end;
-  if (answered || late) {
-    ::kill(-fork, SIGKILL);
-    ::kill(fork, SIGKILL);  // if it has no group yet
-  }
-  int status = 0;
-  while (::waitpid(fork, &status, 0) < 0 && errno == EINTR) {
-  }
+  const std::optional<int> status = answered ? std::nullopt : status_until(fork, end);
+  if (!status) end_and_reap(fork);
   if (answered) return answer;
-  if (late)
+  if (!status)
     return fmt::format("it was not opened within {:g} s when it was tried",
                        1e-3 * static_cast<double>(limit.count()));
-  return end_in_words(status);
+  return end_in_words(*status);
 }
 
 }  // namespace crossgait

@@ -140,6 +140,21 @@ TEST_F(Plugin, IsRefusedIfItChangesTheProcess) {
   EXPECT_CONTAINS(with([] { ::close(STDOUT_FILENO); }), "closes a standard stream");
 }
 
+TEST_F(Plugin, IsWaitedForNoLongerThanTheLimit) {
+  const auto wait = [] {
+    while (true) ::pause();
+    return std::string();
+  };
+  // Whatever part of a millisecond is left when the system's wait ends.
+  for (int i = 1; i <= 40; ++i)
+    EXPECT_CONTAINS(try_in_fork(wait, std::chrono::milliseconds(i)), "it was not opened within 0.0") << i;
+  const auto close_and_wait = [&] {
+    ::close_range(3, ~0U, 0);  // and what it was to answer on
+    return wait();
+  };
+  EXPECT_CONTAINS(try_in_fork(close_and_wait, std::chrono::milliseconds(200)), "within 0.2 s");
+}
+
 // As a copy leaves them that was stopped: of the right size, with holes; or with a bit that turned.
 TEST_F(Plugin, IsRefusedOrUsedButEndsNothingIfItIsDamaged) {
   const std::string whole = read(built("test_1"));
