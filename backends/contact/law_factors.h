@@ -27,6 +27,9 @@ struct LawFactors {
   bool operator==(const LawFactors&) const = default;
 };
 
+/// Hard contact with Coulomb's disc, solved to convergence.
+inline constexpr LawFactors kHardLaw{true, true, true, true, true, true, true};
+
 /// Holds how hard contact undoes a penetration, and how its rows are softened.
 struct HardContact {
   double error_reduction;  ///< share of a penetration that is undone in a step

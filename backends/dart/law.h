@@ -12,7 +12,7 @@ namespace crossgait::dart {
 /// Holds MuJoCo's law in DART if all are off; if all are on, hard contact with a disc, to convergence.
 using DartFactors = contact::LawFactors;
 inline constexpr DartFactors kMatched{};
-inline constexpr DartFactors kHard{true, true, true, true, true, true, true};
+inline constexpr DartFactors kHard = contact::kHardLaw;
 inline constexpr DartFactors kPyramid{true, true, true, true, true, true, true, true};
 inline constexpr DartFactors kStock{true, true, true, true, false, true, true, false, true};
 

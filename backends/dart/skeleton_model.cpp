@@ -65,7 +65,7 @@ void SkeletonModel::add_body(const RobotDescription& robot, std::size_t i, bool 
   }
 }
 
-void SkeletonModel::place(const Pose& X_WC, const JointVector& q, const contact::DofVector& v) {
+void SkeletonModel::place(const Pose& X_WC, const JointVector& q, const contact::DofVector& v) noexcept {
   R_WB_ = X_WC.linear();
   if (base_ != nullptr) {
     base_->place(X_WC);
@@ -80,7 +80,7 @@ void SkeletonModel::place(const Pose& X_WC, const JointVector& q, const contact:
   skeleton_->setVelocities(velocities_);
 }
 
-void SkeletonModel::free_velocity(double h, const Wrench& base, contact::DofVector& v) {
+void SkeletonModel::free_velocity(double h, const Wrench& base, contact::DofVector& v) noexcept {
   nodes_.front()->setExtForce(base.force, Vector3::Zero(), false, true);
   nodes_.front()->setExtTorque(base.torque, false);
   skeleton_->computeForwardDynamics();
@@ -95,7 +95,7 @@ void SkeletonModel::free_velocity(double h, const Wrench& base, contact::DofVect
   v.tail(v.size() - 6) += h * a.tail(v.size() - 6);
 }
 
-void SkeletonModel::bare_inertia(contact::JointSpaceInertia& inertia) {
+void SkeletonModel::bare_inertia(contact::JointSpaceInertia& inertia) noexcept {
   for (int row = first_; row < inertia.dofs(); ++row) {
     for (int column = first_; column <= row; ++column) inertia.bare(row, column) = 0;
   }
@@ -118,7 +118,7 @@ void SkeletonModel::bare_inertia(contact::JointSpaceInertia& inertia) {
   inertia.factor();
 }
 
-void SkeletonModel::point_jacobian(int body, const Vector3& p_WP, contact::PointJacobian& J) const {
+void SkeletonModel::point_jacobian(int body, const Vector3& p_WP, contact::PointJacobian& J) const noexcept {
   const auto i = static_cast<std::size_t>(body);
   const Pose& X = nodes_[i]->getWorldTransform();
   const Vector3 p_CP = X.linear().transpose() * (p_WP - X.translation());

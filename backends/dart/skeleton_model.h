@@ -7,7 +7,7 @@
 #include <dart/dynamics/Skeleton.hpp>
 #include <dart/dynamics/WeldJoint.hpp>
 
-#include "backends/contact/body_kinematics.h"
+#include "backends/contact/tree_dynamics.h"
 #include "physics/engine/world_spec.h"
 #include "physics/robot/state.h"
 
@@ -31,31 +31,22 @@ class BaseJoint final : public ::dart::dynamics::FreeJoint {
 };
 
 /// Leaves configuration and velocities to the caller: DART integrates nothing. Its own are forward dynamics
-/// (Featherstone's articulated bodies), inertias, Jacobians and poses.
+/// (Featherstone's articulated bodies), inertias, Jacobians and poses; M0 is the sum of J' I J over its
+/// bodies.
 ///
-/// Degrees of freedom are [w_W, v_W of the base's centre of mass, joint velocities], in world axes; DART's
-/// free joint has them in the axes of the base, which turn.
-class SkeletonModel {
+/// DART's free joint has its velocities in the axes of the base, which turn.
+class SkeletonModel final : public contact::TreeDynamics {
  public:
   explicit SkeletonModel(const WorldSpec& spec);
 
-  /// @param X_WC  of the base's centre of mass  @param v  velocities
-  void place(const Pose& X_WC, const JointVector& q, const contact::DofVector& v);
-  /// Computes velocities after a step of `h` seconds of gravity, gyroscopic forces and a wrench on the base
-  /// (its force at the centre of mass), without joint torques, armature, loops or contact.
-  void free_velocity(double h, const Wrench& base, contact::DofVector& v);
-  /// Computes M0, without armature: the sum of J' I J over DART's bodies.
-  void bare_inertia(contact::JointSpaceInertia& inertia);
-  /// Computes 3 x dofs: velocity in W of the point of `body` at p_WP.
-  void point_jacobian(int body, const Vector3& p_WP, contact::PointJacobian& J) const;
+  void place(const Pose& X_WC, const JointVector& q, const contact::DofVector& v) noexcept override;
+  void free_velocity(double h, const Wrench& base, contact::DofVector& v) noexcept override;
+  void bare_inertia(contact::JointSpaceInertia& inertia) noexcept override;
+  void point_jacobian(int body, const Vector3& p_WP, contact::PointJacobian& J) const noexcept override;
 
-  /// Returns frame C of a body: its own axes, and for the base its centre of mass instead of its origin,
-  /// since only about that do linear and angular momentum decouple.
-  const std::vector<Pose>& X_BC() const noexcept { return X_BC_; }
-  /// Returns the pose of C.
-  const Pose& X_WC(int body) const { return node(body).getWorldTransform(); }
-  /// Returns inertia as DART holds it, in the body's own frame.
-  SpatialInertia inertia(int body) const;
+  const std::vector<Pose>& X_BC() const noexcept override { return X_BC_; }
+  const Pose& X_WC(int body) const noexcept override { return node(body).getWorldTransform(); }
+  SpatialInertia inertia(int body) const override;
 
  private:
   const ::dart::dynamics::BodyNode& node(int body) const { return *nodes_[static_cast<std::size_t>(body)]; }
