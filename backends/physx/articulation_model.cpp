@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "backends/physx/convert.h"
+#include "backends/physx/links.h"
 #include "physics/robot/actuator.h"
 #include "physics/robot/principal_inertia.h"
 
@@ -13,45 +13,20 @@ namespace {
 
 using Flag = px::PxArticulationCacheFlag;
 
-constexpr float kNoLimit = 1e9F;  // of speeds, m/s and rad/s: far beyond any that a world survives
-
 px::PxArticulationCacheFlags state_flags() {
   return Flag::eROOT_TRANSFORM | Flag::eROOT_VELOCITIES | Flag::ePOSITION | Flag::eVELOCITY;
-}
-
-/// PhysX turns about x.
-Pose joint_frame(const Pose& X, const Vector3& axis) {
-  Pose turned = X;
-  turned.linear() = X.linear() * Quaternion::FromTwoVectors(Vector3::UnitX(), axis).toRotationMatrix();
-  return turned;
-}
-
-// PhysX's defaults damp, clamp and put to sleep; none of that is physics.
-void remove_artefacts(px::PxArticulationLink& link) {
-  link.setLinearDamping(0);
-  link.setAngularDamping(0);
-  link.setMaxLinearVelocity(kNoLimit);
-  link.setMaxAngularVelocity(kNoLimit);
-  link.setCfmScale(0);
 }
 
 }  // namespace
 
 ArticulationModel::ArticulationModel(const WorldSpec& spec, const Settings& settings, px::PxScene& scene)
-    : spec_(spec), articulation_(the_physics().createArticulationReducedCoordinate()) {
-  if (articulation_ == nullptr) throw std::runtime_error("PhysX refused an articulation");
+    : spec_(spec), articulation_(make_articulation(spec.fixed_base)), X_BP_(link_frames(*spec.robot)) {
   const std::vector<Body>& bodies = spec.robot->bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     add_link(bodies, i);
     link(static_cast<int>(i)).setMaxDepenetrationVelocity(static_cast<float>(settings.depenetration));
   }
-  articulation_->setArticulationFlag(px::PxArticulationFlag::eFIX_BASE, spec.fixed_base);
-  articulation_->setArticulationFlag(px::PxArticulationFlag::eDISABLE_SELF_COLLISION, true);
   articulation_->setArticulationFlag(px::PxArticulationFlag::eDRIVE_LIMITS_ARE_FORCES, true);
-  articulation_->setSleepThreshold(0);
-  articulation_->setStabilizationThreshold(0);
-  articulation_->setMaxCOMLinearVelocity(kNoLimit);
-  articulation_->setMaxCOMAngularVelocity(kNoLimit);
   articulation_->setSolverIterationCounts(static_cast<px::PxU32>(settings.position_iterations),
                                           static_cast<px::PxU32>(settings.velocity_iterations));
   scene.addArticulation(*articulation_);
@@ -82,35 +57,21 @@ ArticulationModel::~ArticulationModel() {
 }
 
 void ArticulationModel::add_link(const std::vector<Body>& bodies, std::size_t i) {
-  const Body& body = bodies[i];
-  const PrincipalInertia principal = principal_inertia(body.inertia);
-  X_BP_.push_back(principal.X_BP);
-  px::PxArticulationLink* parent = i == 0 ? nullptr : links_[static_cast<std::size_t>(body.parent)];
-  px::PxArticulationLink* link = articulation_->createLink(parent, px::PxTransform(px::PxIdentity));
-  if (link == nullptr) throw std::runtime_error("PhysX refused body " + body.name);
-  links_.push_back(link);
-  link->setMass(static_cast<float>(body.inertia.mass));
-  link->setMassSpaceInertiaTensor(vector(principal.moments));
-  remove_artefacts(*link);
-  if (i > 0) add_joint(body, i);
+  links_.push_back(&physx::add_link(*articulation_, bodies, i, links_, X_BP_));
+  if (i > 0) add_joint(bodies[i], i);
 }
 
 void ArticulationModel::add_joint(const Body& body, std::size_t i) {
   px::PxArticulationJointReducedCoordinate& joint = *links_[i]->getInboundJoint();
-  const Pose& X_parent = X_BP_[static_cast<std::size_t>(body.parent)];
-  joint.setJointType(px::PxArticulationJointType::eREVOLUTE_UNWRAPPED);
-  joint.setMotion(px::PxArticulationAxis::eTWIST,
-                  body.joint.limited ? px::PxArticulationMotion::eLIMITED : px::PxArticulationMotion::eFREE);
-  if (body.joint.limited)
+  if (body.joint.limited) {
+    joint.setMotion(px::PxArticulationAxis::eTWIST, px::PxArticulationMotion::eLIMITED);
     joint.setLimitParams(px::PxArticulationAxis::eTWIST,
                          {static_cast<float>(body.joint.lower), static_cast<float>(body.joint.upper)});
-  joint.setParentPose(transform(joint_frame(X_parent.inverse() * body.X_PB, body.joint.axis)));
-  joint.setChildPose(transform(joint_frame(X_BP_[i].inverse(), body.joint.axis)));
-  joint.setFrictionCoefficient(0);  // of loads, not a torque
-  joint.setMaxJointVelocity(kNoLimit);
+  }
   joint.setArmature(px::PxArticulationAxis::eTWIST,
                     static_cast<float>(step_armature(body.joint, spec_.physics_dt)));
   if (body.joint.friction > 0 && is_implicit(body.joint)) {
+    const Pose& X_parent = X_BP_[static_cast<std::size_t>(body.parent)];
     const Vector3 axis = (X_parent.inverse() * body.X_PB).linear() * body.joint.axis;
     frictions_.emplace(
         i, std::make_unique<DryFriction>(the_physics(), *links_[static_cast<std::size_t>(body.parent)],

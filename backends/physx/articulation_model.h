@@ -12,6 +12,7 @@
 
 #include "backends/physx/dry_friction.h"
 #include "backends/physx/foundation.h"
+#include "backends/physx/links.h"
 #include "backends/physx/loop_constraint.h"
 #include "backends/physx/settings.h"
 #include "physics/engine/world_spec.h"
@@ -75,12 +76,12 @@ class ArticulationModel {
   std::size_t index(int body) const { return indices_[static_cast<std::size_t>(body)]; }
 
   const WorldSpec& spec_;
-  std::unique_ptr<px::PxArticulationReducedCoordinate, Release> articulation_;
+  Articulation articulation_;
+  std::vector<Pose> X_BP_;
   std::vector<px::PxArticulationLink*> links_;  ///< by body
   std::vector<std::size_t> indices_;            ///< by body: PhysX's index of its link
   std::vector<std::size_t> dofs_;               ///< by joint: PhysX's index of it
-  std::vector<Pose> X_BP_;
-  std::vector<std::size_t> groups_;  ///< by body
+  std::vector<std::size_t> groups_;             ///< by body
   std::vector<std::unique_ptr<LoopConstraint>> loops_;
   std::map<std::size_t, std::unique_ptr<DryFriction>> frictions_;  ///< by body, of implicit servos' joints
   std::unique_ptr<CacheOfStock> cache_;

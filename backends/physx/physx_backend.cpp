@@ -4,12 +4,12 @@
 #include <stdexcept>
 #include <tuple>
 
-#include <fmt/format.h>
-
 #include "backends/physx/articulation_model.h"
 #include "backends/physx/coupled_joints.h"
+#include "backends/physx/matched_backend.h"
 #include "backends/physx/settings.h"
 #include "backends/physx/step_contacts.h"
+#include "backends/physx/version.h"
 #include "physics/engine/lost_engine.h"
 
 namespace crossgait::physx {
@@ -22,8 +22,7 @@ EngineInfo make_info(const Settings& settings) {
   EngineInfo info;
   info.name = settings.name;
   info.library = "PhysX";
-  info.version =
-      fmt::format("{}.{}.{}", PX_PHYSICS_VERSION_MAJOR, PX_PHYSICS_VERSION_MINOR, PX_PHYSICS_VERSION_BUGFIX);
+  info.version = version();
   info.mode = settings.temporal ? "hard contact, patch friction, temporal Gauss-Seidel"
                                 : "hard contact, patch friction, projected Gauss-Seidel";
   const std::string way =
@@ -190,6 +189,7 @@ class PhysxBackend final : public PhysicsBackend, public LosableWorld {
 }  // namespace
 
 std::optional<Engine> find(std::string_view name) {
+  if (std::optional<Engine> matched = find_matched(name)) return matched;
   const std::optional<Settings> settings = find_settings(name);
   if (!settings) return std::nullopt;
   return Engine{make_info(*settings), [settings = *settings](const WorldSpec& spec) {

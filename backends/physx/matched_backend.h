@@ -1,0 +1,22 @@
+// PhysX's dynamics under laws of Crossgait's, as far as float32 goes.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "backends/contact/law_factors.h"
+#include "physics/engine/engine.h"
+
+namespace crossgait::physx {
+
+/// Returns the factors from "physx:matched", MuJoCo's law, to "physx:hard": hard contact with Coulomb's disc,
+/// solved to convergence.
+const contact::FactorTable<contact::LawFactors>& law_table();
+
+/// Finds PhysX's dynamics under the law of a name of that table. Nothing for names of others.
+/// @throws ConfigError if a change is invalid
+std::optional<Engine> find_matched(std::string_view name);
+/// Returns the family from "physx:matched" to "physx:hard".
+EngineFamily law_family();
+
+}  // namespace crossgait::physx
