@@ -17,6 +17,15 @@ std::vector<BodyFeature> body_features(const RobotDescription& robot, bool fixed
   return features;
 }
 
+std::vector<double> reach_margins(const std::vector<BodyFeature>& features, std::size_t bodies) {
+  std::vector<double> margins(bodies, 0);
+  for (const BodyFeature& of : features) {
+    double& margin = margins[static_cast<std::size_t>(of.feature.body)];
+    margin = std::max(margin, 0.02 * (of.p_CF.norm() + of.feature.rim + of.feature.radius));
+  }
+  return margins;
+}
+
 ContactFinder::ContactFinder(std::vector<BodyFeature> features, const Terrain& terrain,
                              std::vector<double> margins)
     : features_(std::move(features)), terrain_(terrain), margins_(std::move(margins)) {

@@ -20,6 +20,11 @@ struct BodyFeature {
 std::vector<BodyFeature> body_features(const RobotDescription& robot, bool fixed_base,
                                        const std::vector<Pose>& X_BC);
 
+/// Returns how far above the ground points of each body count, m: Bullet's rule, so that what is said of one
+/// engine holds of the other, two hundredths of how far a body reaches from the origin of C
+/// (btCollisionShape::getContactBreakingThreshold).
+std::vector<double> reach_margins(const std::vector<BodyFeature>& features, std::size_t bodies);
+
 struct ContactPoint {
   int body = -1, leg = -1;  ///< as in Contact
   Vector3 p_WP, normal;     ///< midway between the surfaces, m; from terrain to robot

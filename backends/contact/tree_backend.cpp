@@ -15,17 +15,6 @@ namespace {
 constexpr double kMaxVelocity = 1e9;  // m/s, rad/s
 constexpr double kMaxTorque = 1e15;   // N m
 
-// Bullet's rule, so that what is said of one holds of the other: two hundredths of how far a body reaches
-// (btCollisionShape::getContactBreakingThreshold).
-std::vector<double> contact_margins(const std::vector<BodyFeature>& features, std::size_t bodies) {
-  std::vector<double> margins(bodies, 0);
-  for (const BodyFeature& of : features) {
-    double& margin = margins[static_cast<std::size_t>(of.feature.body)];
-    margin = std::max(margin, 0.02 * (of.p_CF.norm() + of.feature.rim + of.feature.radius));
-  }
-  return margins;
-}
-
 BodyKinematics kinematics(const TreeDynamics& tree) {
   return {tree.X_BC(), [&tree](int body, const Vector3& p_CP) { return Vector3(tree.X_WC(body) * p_CP); },
           [&tree](int body, const Vector3& v_C) { return Vector3(tree.X_WC(body).linear() * v_C); },
@@ -62,15 +51,17 @@ void describe_law(const LawFactors& factors, const std::string& library, EngineI
 }
 
 TreeBackend::TreeBackend(const WorldSpec& world, EngineInfo info, const LawFactors& factors,
-                         const std::function<std::unique_ptr<TreeDynamics>(const WorldSpec&)>& make)
+                         const std::function<std::unique_ptr<TreeDynamics>(const WorldSpec&)>& make,
+                         std::optional<double> margin)
     : PhysicsBackend(world),
       info_(std::move(info)),
       dynamics_(make(spec())),
       bodies_(kinematics(*dynamics_)),
       features_(body_features(robot(), spec().fixed_base, dynamics_->X_BC())),
-      finder_(
-          features_, spec().terrain,
-          factors.speculative ? contact_margins(features_, robot().bodies.size()) : std::vector<double>()),
+      finder_(features_, spec().terrain,
+              !factors.speculative ? std::vector<double>()
+              : margin             ? std::vector<double>(robot().bodies.size(), *margin)
+                                   : reach_margins(features_, robot().bodies.size())),
       joints_(spec(), bodies_),
       contacts_(spec(), factors, bodies_, joints_),
       v_(DofVector::Zero(6 + robot().joint_count())) {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,11 @@ namespace crossgait::contact {
 class TreeBackend : public PhysicsBackend {
  public:
   /// @param make  the dynamics of the completed specification, which outlives it
+  /// @param margin  how far above the ground points count where that is a factor, m; none: reach_margins
   /// @throws ConfigError where the law is MuJoCo's and the world asks for pyramidal cones
   TreeBackend(const WorldSpec& world, EngineInfo info, const LawFactors& factors,
-              const std::function<std::unique_ptr<TreeDynamics>(const WorldSpec&)>& make);
+              const std::function<std::unique_ptr<TreeDynamics>(const WorldSpec&)>& make,
+              std::optional<double> margin = {});
 
   const EngineInfo& info() const override { return info_; }
 

@@ -8,6 +8,13 @@
 
 namespace crossgait::contact {
 
+/// Returns frame C of every body in its own, as TreeDynamics has them.
+inline std::vector<Pose> tree_frames(const RobotDescription& robot) {
+  std::vector<Pose> X_BC(robot.bodies.size(), Pose::Identity());
+  X_BC[0].translation() = robot.bodies[0].inertia.p_BC;
+  return X_BC;
+}
+
 /// Is asked for forward dynamics, inertia, Jacobians and poses of a robot; armature, joint torques, loops,
 /// contacts and integration are TreeBackend's. Bodies are RobotDescription's, and frame C of a body has its
 /// own axes: at its origin, but of the base at its centre of mass, since only about that do linear and

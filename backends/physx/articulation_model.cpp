@@ -6,6 +6,7 @@
 #include "backends/physx/convert.h"
 #include "backends/physx/links.h"
 #include "physics/robot/actuator.h"
+#include "physics/robot/multibody.h"
 #include "physics/robot/principal_inertia.h"
 
 namespace crossgait::physx {
@@ -27,10 +28,12 @@ ArticulationModel::ArticulationModel(const WorldSpec& spec, const Settings& sett
     link(static_cast<int>(i)).setMaxDepenetrationVelocity(static_cast<float>(settings.depenetration));
   }
   articulation_->setArticulationFlag(px::PxArticulationFlag::eDRIVE_LIMITS_ARE_FORCES, true);
-  articulation_->setSolverIterationCounts(static_cast<px::PxU32>(settings.position_iterations),
-                                          static_cast<px::PxU32>(settings.velocity_iterations));
+  const int positions = settings.sweeps ? settings.position_iterations : kMostIterations;
+  articulation_->setSolverIterationCounts(
+      static_cast<px::PxU32>(positions),
+      static_cast<px::PxU32>(settings.sweeps ? settings.velocity_iterations : 0));
   scene.addArticulation(*articulation_);
-  add_loops(*spec.robot);
+  add_loops(settings);
   cache_ = std::make_unique<CacheOfStock>(*articulation_);
 
   std::vector<std::size_t> by_index(links_.size());
@@ -84,11 +87,19 @@ void ArticulationModel::add_joint(const Body& body, std::size_t i) {
   }
 }
 
-void ArticulationModel::add_loops(const RobotDescription& robot) {
-  for (const LoopClosure& loop : robot.loops) {
+void ArticulationModel::add_loops(const Settings& settings) {
+  const std::vector<double> weights = translational_inverse_weights(*spec_.robot, spec_.fixed_base);
+  for (const LoopClosure& loop : spec_.robot->loops) {
+    std::optional<LoopConstraint::Soft> soft;
+    if (!settings.loops) {
+      soft = LoopConstraint::Soft{
+          SoftLaw(spec_.robot->loop_softness, spec_.physics_dt),
+          weights[static_cast<std::size_t>(loop.body_a)] + weights[static_cast<std::size_t>(loop.body_b)],
+          spec_.physics_dt};
+    }
     loops_.push_back(std::make_unique<LoopConstraint>(
         the_physics(), link(loop.body_a), X_BP(loop.body_a).inverse() * loop.p_AP, link(loop.body_b),
-        X_BP(loop.body_b).inverse() * loop.p_BP));
+        X_BP(loop.body_b).inverse() * loop.p_BP, soft));
   }
 }
 
@@ -162,6 +173,10 @@ void ArticulationModel::apply(const JointVector& tau, std::span<const ImplicitSe
   if (!base.torque.isZero()) links_.front()->addTorque(vector(base.torque));
   articulation_->copyInternalStateToCache(*cache(), Flag::eLINK_VELOCITY);
   std::copy_n(cache()->linkVelocity, before_.size(), before_.begin());
+  for (std::size_t i = 0; i < loops_.size(); ++i) {
+    const LoopClosure& loop = spec_.robot->loops[i];
+    loops_[i]->begin_step(velocity_before(loop.body_a), velocity_before(loop.body_b));
+  }
 }
 
 bool ArticulationModel::take() {

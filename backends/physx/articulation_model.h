@@ -70,7 +70,7 @@ class ArticulationModel {
   void add_link(const std::vector<Body>& bodies, std::size_t i);
   void add_joint(const Body& body, std::size_t i);
   void set_drive(const ImplicitServo& servo);
-  void add_loops(const RobotDescription& robot);
+  void add_loops(const Settings& settings);
   void apply_state();
   CacheOfStock& cache() const { return *cache_; }
   std::size_t index(int body) const { return indices_[static_cast<std::size_t>(body)]; }

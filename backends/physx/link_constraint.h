@@ -29,6 +29,9 @@ class LinkConstraint : private px::PxConstraintConnector {
   void make(px::PxPhysics& physics, px::PxArticulationLink& a, px::PxArticulationLink& b,
             px::PxConstraintSolverPrep prepare, void* data, px::PxU32 size, px::PxConstraintFlags flags = {});
 
+  /// Tells PhysX that the data has changed.
+  void changed() { constraint_->markDirty(); }
+
  private:
   void* prepareData() override { return data_; }
   bool updatePvdProperties(px::pvdsdk::PvdDataStream& /*stream*/, const px::PxConstraint* /*constraint*/,

@@ -7,17 +7,31 @@
 namespace crossgait::physx {
 
 LoopConstraint::LoopConstraint(px::PxPhysics& physics, px::PxArticulationLink& a, const Vector3& p_A,
-                               px::PxArticulationLink& b, const Vector3& p_B)
-    : points_{vector(p_A), vector(p_B)} {
-  make(physics, a, b, prepare, &points_, sizeof(Points));
+                               px::PxArticulationLink& b, const Vector3& p_B, const std::optional<Soft>& soft)
+    : a_(a), b_(b), soft_(soft), rows_{vector(p_A), vector(p_B)} {
+  make(physics, a, b, prepare, &rows_, sizeof(Rows));
+}
+
+// A damper that acts in full within the step gives an impulse y with  J v' + y / (h c) = target.
+void LoopConstraint::begin_step(const px::PxSpatialVelocity& a, const px::PxSpatialVelocity& b) {
+  if (!soft_) return;
+  const px::PxTransform A = a_.getGlobalPose(), B = b_.getGlobalPose();
+  const Vector3 arm_A = vector(A.q.rotate(rows_.a)), arm_B = vector(B.q.rotate(rows_.b));
+  const Vector3 gap = vector(A.p) + arm_A - vector(B.p) - arm_B;
+  const Vector3 speed =
+      vector(a.linear) + vector(a.angular).cross(arm_A) - vector(b.linear) - vector(b.angular).cross(arm_B);
+  const double imp = soft_->law.impedance(gap.norm());
+  rows_.target = vector(Vector3(soft_->law.target_velocity(speed, imp, gap)));
+  rows_.damping = static_cast<float>(1 / (soft_->step * SoftLaw::regularization(imp, soft_->inverse_weight)));
+  changed();
 }
 
 px::PxU32 LoopConstraint::prepare(px::Px1DConstraint* rows, px::PxVec3p& offset, px::PxU32 /*most*/,
                                   px::PxConstraintInvMassScale& scale, const void* data,
                                   const px::PxTransform& A, const px::PxTransform& B,
                                   bool /*extended_limits*/, px::PxVec3p& at_A, px::PxVec3p& at_B) {
-  const auto& points = *static_cast<const Points*>(data);
-  const px::PxVec3 p_A = A.transform(points.a), p_B = B.transform(points.b), gap = p_A - p_B;
+  const auto& own = *static_cast<const Rows*>(data);
+  const px::PxVec3 p_A = A.transform(own.a), p_B = B.transform(own.b), gap = p_A - p_B;
   offset = p_A - A.p;
   at_A = p_A;
   at_B = p_B;
@@ -29,10 +43,14 @@ px::PxU32 LoopConstraint::prepare(px::Px1DConstraint* rows, px::PxVec3p& offset,
     row.angular0 = (p_A - A.p).cross(axes[i]);
     row.angular1 = (p_B - B.p).cross(axes[i]);
     row.geometricError = gap.dot(axes[i]);
-    row.velocityTarget = 0;
+    row.velocityTarget = own.target.dot(axes[i]);
     row.minImpulse = -PX_MAX_F32;
     row.maxImpulse = PX_MAX_F32;
     row.flags = 0;
+    if (own.damping == 0) continue;
+    row.flags = px::Px1DConstraintFlag::eSPRING;
+    row.mods.spring.stiffness = 0;
+    row.mods.spring.damping = own.damping;
   }
   return static_cast<px::PxU32>(axes.size());
 }

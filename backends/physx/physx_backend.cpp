@@ -10,6 +10,7 @@
 #include "backends/physx/settings.h"
 #include "backends/physx/step_contacts.h"
 #include "backends/physx/version.h"
+#include "physics/core/error.h"
 #include "physics/engine/lost_engine.h"
 
 namespace crossgait::physx {
@@ -29,7 +30,7 @@ EngineInfo make_info(const Settings& settings) {
       (settings.temporal ? "/temporal" : "/sweeps") + std::string(split_factors(settings.name).second);
   // By sweeps friction is bounded along two directions, each by itself.
   info.laws = {.contact = (settings.temporal ? "patch" : "patch+pyramid") + way,
-               .loops = "hard" + way,
+               .loops = (settings.loops ? "hard" : "mujoco") + way,
                .joint_friction = "hard" + way,
                .joint_limits = "hard" + way,
                .couplings = "hard" + way,
@@ -188,15 +189,45 @@ class PhysxBackend final : public PhysicsBackend, public LosableWorld {
 
 }  // namespace
 
+namespace {
+
+constexpr std::string_view kOwnContact = "own_contact";
+
+// The last factor of whole_family, behind all of those before it.
+std::optional<Engine> find_own_contact(std::string_view name) {
+  const std::string_view rest = name.substr(0, name.size() - kOwnContact.size() - 1);
+  const std::optional<Engine> before = find_matched(rest);
+  if (before && before->name() == law_table().on) return find(factor_table().on);
+  throw ConfigError("engine", std::string(name), "own_contact behind all other factors of physx:matched",
+                    std::string(rest));
+}
+
+}  // namespace
+
 std::optional<Engine> find(std::string_view name) {
+  if (name.starts_with("physx:") && name.ends_with("+own_contact")) return find_own_contact(name);
   if (std::optional<Engine> matched = find_matched(name)) return matched;
   const std::optional<Settings> settings = find_settings(name);
   if (!settings) return std::nullopt;
+  if (!settings->solver) return shared_engine(*settings);
   return Engine{make_info(*settings), [settings = *settings](const WorldSpec& spec) {
                   return std::make_unique<PhysxBackend>(spec, settings);
                 }};
 }
 
 EngineFamily family() { return contact::family_of(factor_table(), find); }
+
+EngineFamily whole_family() {
+  EngineFamily family = law_family();
+  ModelFactor own{
+      "own_contact", "PhysX's own contact, loops and solver: all between physx:hard and physx", {}};
+  for (const ModelFactor& factor : family.factors) own.needs.push_back(factor.name);
+  family.factors.push_back(own);
+  family.to = factor_table().on;
+  family.with = [laws = family.with](std::vector<std::string> names) {
+    return std::erase(names, kOwnContact) > 0 ? *find(factor_table().on) : laws(names);
+  };
+  return family;
+}
 
 }  // namespace crossgait::physx

@@ -22,7 +22,7 @@ constexpr EnginePlugin kPlugin{
     .engines = engines,
     .families =
         [] {
-          return std::vector<EngineFamily>{family(), law_family()};
+          return std::vector<EngineFamily>{law_family(), family(), whole_family()};
         },
     .find = find,
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "backends/contact/tree_dynamics.h"
 #include "backends/physx/convert.h"
 
 namespace crossgait::physx {
@@ -44,7 +45,11 @@ px::PxFilterFlags only_ground(px::PxFilterObjectAttributes a, px::PxFilterData /
 }
 
 StepContacts::StepContacts(const WorldSpec& spec, const Settings& settings)
-    : spec_(spec), contact_offset_(settings.contact_offset) {
+    : spec_(spec), margins_(spec.robot->bodies.size(), settings.contact_offset) {
+  const RobotDescription& robot = *spec.robot;
+  if (!settings.margin)
+    margins_ = contact::reach_margins(
+        contact::body_features(robot, spec.fixed_base, contact::tree_frames(robot)), robot.bodies.size());
   const auto friction = static_cast<float>(spec.contact.friction);
   material_.reset(the_physics().createMaterial(friction, friction, 0));
   if (material_ == nullptr) throw std::runtime_error("PhysX refused a material");
@@ -81,19 +86,20 @@ void StepContacts::add_shape(px::PxArticulationLink& link, const ArticulationMod
   Shape& own = *shapes_.back();
   own.body = body;
   own.leg = leg_of_shape(robot, body, index);
+  const double margin = margins_[static_cast<std::size_t>(body)];
   px::PxGeometryHolder geometry;
   Pose X_BG = described.X_BG;
   if (field_ == nullptr) geometry = plane_geometry(described);
   if (geometry.getType() == px::PxGeometryType::eINVALID) {
     own.features =
-        std::make_unique<FeatureGeometry>(robot, body, index, spec_.terrain, contact_offset_ + kGroundOffset);
+        std::make_unique<FeatureGeometry>(robot, body, index, spec_.terrain, margin + kGroundOffset);
     geometry = px::PxGeometryHolder(px::PxCustomGeometry(*own.features));
   } else {
     X_BG = geometry_pose(described);
   }
   px::PxShape* shape = the_physics().createShape(geometry.any(), *material_, true);
   if (shape == nullptr) throw std::runtime_error("PhysX refused shape " + described.name);
-  shape->setContactOffset(static_cast<float>(contact_offset_));
+  shape->setContactOffset(static_cast<float>(margin));
   shape->setLocalPose(transform(model.X_BP(body).inverse() * X_BG));
   shape->userData = &own;
   link.attachShape(*shape);

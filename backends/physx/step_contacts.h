@@ -53,7 +53,7 @@ class StepContacts final : public px::PxSimulationEventCallback {
                     ContactList& contacts) const noexcept;
 
   const WorldSpec& spec_;
-  double contact_offset_;
+  std::vector<double> margins_;  ///< by body: how far above the ground points count, m
   std::unique_ptr<px::PxMaterial, Release> material_;
   std::unique_ptr<FieldGeometry> field_;
   std::unique_ptr<px::PxRigidStatic, Release> ground_;

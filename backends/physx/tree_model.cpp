@@ -18,11 +18,12 @@ px::PxFilterFlags touches_nothing(px::PxFilterObjectAttributes /*a*/, px::PxFilt
 }  // namespace
 
 TreeModel::TreeModel(const WorldSpec& spec)
-    : spec_(spec), X_BP_(link_frames(*spec.robot)), first_(spec.fixed_base ? 6 : 0) {
+    : spec_(spec),
+      X_BP_(link_frames(*spec.robot)),
+      X_BC_(contact::tree_frames(*spec.robot)),
+      first_(spec.fixed_base ? 6 : 0) {
   const std::vector<Body>& bodies = spec.robot->bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    X_BC_.push_back(Pose::Identity());
-    if (i == 0) X_BC_[0].translation() = bodies[0].inertia.p_BC;
     X_PC_.push_back(X_BP_[i].inverse() * X_BC_[i]);
     std::vector<int>& dofs = dofs_.emplace_back();
     if (i == 0) {

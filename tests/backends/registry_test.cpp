@@ -45,7 +45,8 @@ TEST(Registry, ListsMujocoThenTheOthersThenFurtherReleases) {
   const std::vector<std::string> names = own_engines();
   ASSERT_FALSE(names.empty());
   std::vector<std::string> in_order;
-  for (const char* name : {"mujoco", "bullet:matched", "bullet", "dart:matched", "dart", "physx"}) {
+  for (const char* name :
+       {"mujoco", "bullet:matched", "bullet", "dart:matched", "dart", "physx:matched", "physx"}) {
     if (std::find(names.begin(), names.end(), name) != names.end()) in_order.emplace_back(name);
   }
   for (const std::string& name : names) {

@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "backends/physx/matched_backend.h"
 #include "physics/core/error.h"
 #include "physics/engine/lost_engine.h"
 #include "scenes/incline.h"
@@ -37,8 +38,30 @@ TEST(PhysxSettings, AreKnownByNameAndNoTwoHaveTheSameLaws) {
   for (const char* name : {"physx+isaac", "physx:pgs+isaacgym", "physx+temporal", "physx:pgs-temporal"})
     EXPECT_THROW(find(name), ConfigError) << name;
   EXPECT_EQ(find("physx-temporal")->name(), "physx:pgs");
-  EXPECT_EQ(family().with({}).name(), "physx:pgs");
-  EXPECT_EQ(family().with({"temporal"}).name(), "physx");
+}
+
+TEST(PhysxFactors, LeadFromMujocosLawToPhysxAndEverySetOfThemIsNamed) {
+  EXPECT_EQ(law_family().with({}).name(), "physx:matched");
+  EXPECT_EQ(family().with({}).name(), "physx:hard");
+  EXPECT_EQ(family().with({"margin", "push_out", "solver", "loops", "sweeps"}).name(), "physx:pgs");
+  std::vector<std::string> all;
+  for (const ModelFactor& factor : whole_family().factors) all.push_back(factor.name);
+  EXPECT_EQ(whole_family().with(all).name(), "physx");
+  all.pop_back();
+  EXPECT_EQ(whole_family().with(all).name(), "physx:hard");
+  const WorldSpec spec = scenes::world_of(scenes::quadruped());
+  for (const char* name : {"physx:matched", "physx:matched+surface", "physx:hard-speculative", "physx:hard",
+                           "physx:hard+margin", "physx:hard+push_out", "physx:hard+push_out+solver",
+                           "physx-loops-temporal", "physx-sweeps-temporal"}) {
+    SCOPED_TRACE(name);
+    ASSERT_TRUE(find(name));
+    EXPECT_EQ(find(name)->name(), name);
+    const auto world = find(name)->make(spec);
+    EXPECT_EQ(world->step(scenes::home_targets(world->robot()), 5), StepStatus::kOk);
+  }
+  for (const char* name : {"physx:hard+solver", "physx-loops", "physx-sweeps", "physx:hard+margin+coulomb",
+                           "physx:matched+margin", "physx:hard-margin"})
+    EXPECT_THROW(find(name), ConfigError) << name;
 }
 
 // Off the axes of its two directions the projected solver holds up to the root of two of the coefficient.
@@ -121,7 +144,7 @@ TEST(PhysxCouplings, HoldInATrotAndAreATorqueOfTheState) {
 }
 
 TEST(PhysxDivergence, OfAPushIsAnOutcomeAndTheWorldWorksAfterAReset) {
-  for (const char* name : {"physx", "physx:pgs"}) {
+  for (const char* name : {"physx", "physx:pgs", "physx:matched", "physx:hard"}) {
     SCOPED_TRACE(name);
     const WorldSpec spec = scenes::world_of(scenes::quadruped());
     const auto fresh = find(name)->make(spec), world = find(name)->make(spec);
