@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -60,6 +61,33 @@ std::optional<EngineFamily> family_part(const EngineFamily& family, const std::s
   return part;
 }
 
+// Whether laws are the same but for how they are solved, which stands behind a slash.
+bool alike(const Laws& a, const Laws& b) {
+  const auto law = [](const std::string& name) { return name.substr(0, name.find('/')); };
+  const auto same = [&](std::string Laws::*field) { return law(a.*field) == law(b.*field); };
+  return same(&Laws::contact) && same(&Laws::loops) && same(&Laws::joint_friction) &&
+         same(&Laws::joint_limits) && same(&Laws::couplings) && same(&Laws::implicit_servos);
+}
+
+// From an engine beside a family, of the laws of its first, to its last: the other dynamics are a factor too.
+std::optional<EngineFamily> joined_family(const EngineFamily& family, const Engine& a, const Engine& b) {
+  if (b.name() != family.to || !alike(a.info.laws, find_engine(family.from).info.laws)) return std::nullopt;
+  const std::string dynamics = "dynamics";
+  EngineFamily joined{a.name(), family.to, {}, {}};
+  joined.factors.push_back(
+      {dynamics,
+       fmt::format("{}, of the same laws: another code for dynamics, solved otherwise", family.from),
+       {}});
+  for (ModelFactor factor : family.factors) {
+    factor.needs.insert(factor.needs.begin(), dynamics);
+    joined.factors.push_back(std::move(factor));
+  }
+  joined.with = [with = family.with, a, dynamics](std::vector<std::string> names) {
+    return std::erase(names, dynamics) > 0 ? with(names) : a;
+  };
+  return joined;
+}
+
 }  // namespace
 
 EngineFamily find_family(const Engine& a, const Engine& b) {
@@ -76,6 +104,11 @@ EngineFamily find_family(const Engine& a, const Engine& b) {
   if (found != nullptr) return *found;
   for (const EngineFamily& family : engine_families()) {
     if (const auto part = family_part(family, a.name(), b.name())) return *part;
+  }
+  for (const EngineFamily& family : engine_families()) {
+    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
+      if (const auto joined = joined_family(family, from, to)) return *joined;
+    }
   }
   throw ConfigError(
       "verdict", "explain",

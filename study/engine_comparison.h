@@ -74,7 +74,8 @@ EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& worl
 
 /// Finds the family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an
 /// end. Else the part of one between two engines of which one has some of the other's factors
-/// ("bullet:matched" and "bullet:matched+coulomb").
+/// ("bullet:matched" and "bullet:matched+coulomb"). Else one whose `from` has the laws of `a` or `b` but for
+/// how they are solved and whose `to` is the other, with a first factor "dynamics" for what lies between.
 /// @throws ConfigError if there is none
 EngineFamily find_family(const Engine& a, const Engine& b);
 

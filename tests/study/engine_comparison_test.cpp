@@ -229,6 +229,31 @@ EngineComparison by_hand() {
 }
 
 // One factor, or several, between two engines of a family that are no ends of it.
+TEST(FindFamily, BeginsAtAnEngineOfTheSameLawsThatAreSolvedOtherwise) {
+  const auto law = [](const Engine& engine) { return engine.info.laws.contact_law(); };
+  for (const EngineFamily& family : engine_families()) {
+    const Engine to = find_engine(family.to);
+    for (const std::string& name : available_engines()) {
+      const Engine engine = find_engine(name);
+      EngineFamily found;
+      try {
+        found = find_family(engine, to);
+      } catch (const ConfigError&) {
+        continue;
+      }
+      if (found.factors.front().name != "dynamics" || found.to != family.to) continue;
+      EXPECT_EQ(law(engine), law(found.with({"dynamics"}))) << name;
+      EXPECT_NO_THROW(found.validate());
+      EXPECT_EQ(found.with({}).name(), name);
+      EXPECT_NE(found.with({"dynamics"}).name(), name);
+      std::vector<std::string> all;
+      for (const ModelFactor& factor : found.factors) all.push_back(factor.name);
+      EXPECT_EQ(found.with(all).name(), family.to);
+      EXPECT_EQ(find_family(to, engine).from, name) << "either way round";
+    }
+  }
+}
+
 TEST(FindFamily, TakesThePartBetweenTwoEnginesOfOne) {
   const std::vector<std::string> all = available_engines();
   if (std::find(all.begin(), all.end(), "bullet") == all.end()) GTEST_SKIP() << "needs bullet";
