@@ -17,7 +17,7 @@ struct Difference {
   double position = 0;  ///< of the base, m
   double joints = 0;    ///< rad
   double attitude = 0;  ///< rad
-  double force = 0;     ///< of all contacts together, N
+  double force = 0;     ///< of all contacts together, N, until their number is another
   int counts = 0;       ///< steps with another number of contacts
   int most_contacts = 0;
 };

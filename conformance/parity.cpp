@@ -18,8 +18,9 @@ void add(const PhysicsBackend& a, const PhysicsBackend& b, Difference& result) {
   result.position = std::max(result.position, (x.p_WB - y.p_WB).norm());
   if (x.q.size() > 0) result.joints = std::max(result.joints, (x.q - y.q).lpNorm<Eigen::Infinity>());
   result.attitude = std::max(result.attitude, x.q_WB.angularDistance(y.q_WB));
-  result.force = std::max(result.force, (total_force(a) - total_force(b)).norm());
   if (a.contacts().count != b.contacts().count) ++result.counts;
+  // A foot that lands a step earlier pushes a step earlier.
+  if (result.counts == 0) result.force = std::max(result.force, (total_force(a) - total_force(b)).norm());
   result.most_contacts = std::max(result.most_contacts, a.contacts().count);
 }
 
@@ -59,9 +60,12 @@ TrotSummary summarise_trot(const Engine& engine, const char* terrain) {
 
 namespace {
 
+// One that rounds more coarsely says nothing of how well the subject does.
 const Engine* other_of_same_laws(const Subject& subject) {
-  for (const Engine& other : subject.others)
-    if (other.info.laws == subject.engine.info.laws) return &other;
+  for (const Engine& other : subject.others) {
+    const bool as_precise = epsilon(other.info.capabilities.precision) <= epsilon(subject.precision());
+    if (as_precise && other.info.laws == subject.engine.info.laws) return &other;
+  }
   return nullptr;
 }
 
@@ -175,12 +179,17 @@ std::vector<double> step_time(const Subject& subject) {
 }
 
 std::vector<Requirement> same_requirements() {
-  const std::string reason = "a hundred times what was measured between MuJoCo and `bullet:matched`";
-  return {at_most(kSameLength, "bases apart", "m", reason),
-          at_most(kSameAngle, "joints apart", "rad", reason),
-          at_most(kSameAngle, "attitudes apart", "rad", reason),
-          at_most(kSameForce, "contact forces apart", "N", reason),
-          at_most(0, "steps with another number of contacts", "", "the same places touch")};
+  // Soft contact begins with a jump of its damper's force: by rounding of float32 a foot now and then lands a
+  // step earlier, after which joints are apart by a thousandth of a radian for a while.
+  const std::string reason =
+      "a hundred times what was measured between MuJoCo and `bullet:matched`; in float32 "
+      "ten times and more what was measured of `physx:matched`; forces while as many touch";
+  return {
+      with_rounding(at_most(kSameLength, "bases apart", "m", reason), 1e4),
+      with_rounding(at_most(kSameAngle, "joints apart", "rad", reason), 1e5),
+      with_rounding(at_most(kSameAngle, "attitudes apart", "rad", reason), 1e5),
+      with_rounding(at_most(kSameForce, "contact forces apart", "N", reason), 1e6),
+      with_rounding(at_most(0, "steps with another number of contacts", "", "the same places touch"), 1e10)};
 }
 
 }  // namespace

@@ -47,7 +47,8 @@ void compare(const std::vector<Runner>& runners, std::vector<PairWork>& work,
     const double apart = compare_samples(*a.sample, *b.sample, pairs[p]);
     work[p].growth.add(a.sample->state.time, apart);
     if (!work[p].one_step) continue;
-    if (work[p].one_step->difference().steps == 0) work[p].began_alike = apart <= kOneStepTolerance;
+    if (work[p].one_step->difference().steps == 0)
+      work[p].began_alike = apart <= one_step_tolerance(pairs[p].precision);
     if (!had_diverged && pairs[p].first_divergence && work[p].began_alike)
       pairs[p].first_divergence->carried = work[p].one_step->carried();
   }
@@ -84,7 +85,7 @@ const WalkRun& run_of(const Comparison& comparison, const std::string& engine) {
 
 // Why a pair of the same laws is not the same; empty if it is.
 std::string missed(const Comparison& comparison, const PairDifference& pair) {
-  if (pair.one_step && pair.one_step->largest() > kOneStepTolerance)
+  if (pair.one_step && pair.one_step->largest() > one_step_tolerance(pair.precision))
     return fmt::format("{:.1g} apart after one control step from the same state, at {:.3f} s",
                        pair.one_step->largest(), pair.one_step->at_s);
   if (pair.first_divergence) {
@@ -116,7 +117,10 @@ PairDifference pair_of(const EngineInfo& a, const EngineInfo& b, const Divergenc
   pair.a = a.name;
   pair.b = b.name;
   pair.same_laws = a.laws == b.laws;
-  pair.tolerances = pair.same_laws ? DivergenceTolerances::exact() : tolerances;
+  const bool coarse =
+      Precision::kFloat32 == a.capabilities.precision || Precision::kFloat32 == b.capabilities.precision;
+  pair.precision = coarse ? Precision::kFloat32 : Precision::kFloat64;
+  pair.tolerances = pair.same_laws ? DivergenceTolerances::exact(pair.precision) : tolerances;
   pair.parting = PartingWatch(leg_length);
   return pair;
 }

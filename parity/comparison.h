@@ -49,7 +49,7 @@ inline constexpr double kParityHorizon = 1;
 
 /// Names pairs of the same laws that are not the same, with the reason: "mujoco and bullet:matched (4e-08
 /// apart after one control step from the same state)". Missed is parity of a control step
-/// (kOneStepTolerance); over the horizon, unless what single steps differ by does not come to half of
+/// (one_step_tolerance); over the horizon, unless what single steps differ by does not come to half of
 /// it (FirstDivergence::carried), so that chaos alone can have made it; or at any time where steps were not
 /// compared one by one.
 std::vector<std::string> missed_parity(const Comparison& comparison);

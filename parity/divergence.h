@@ -23,6 +23,12 @@ struct DivergenceTolerances {
 
   /// Returns tolerances of one contact law: rounding with room (a 5 s trot differs by about 1e-14 m).
   static DivergenceTolerances exact() { return {.position = 1e-6, .joint = 1e-6, .attitude = 1e-6}; }
+  /// Returns those of engines of which one rounds so: of float32 a thousand epsilons, since a trot differs by
+  /// 1e-7 m until a foot lands a step earlier.
+  static DivergenceTolerances exact(Precision precision) {
+    if (precision == Precision::kFloat64) return exact();
+    return {.position = 1e-4, .joint = 1e-4, .attitude = 1e-4};
+  }
 
   /// Returns tolerances for the first sign of a known change: about 1e-4 of the size of each (legs of a tenth
   /// of a metre, angles of a radian, a weight of several N, torques of a tenth N m).
@@ -56,6 +62,7 @@ struct OneStepDifference {
 struct PairDifference {
   std::string a, b;        ///< names of engines
   bool same_laws = false;  ///< both engines solve the same equations, so that they are held to `exact()`
+  Precision precision = Precision::kFloat64;  ///< the coarser of both
   double max_position_difference_m = 0;
   double max_joint_difference_rad = 0;
   double max_attitude_difference_rad = 0;

@@ -101,7 +101,8 @@ TEST(OneStep, TellsALawFromChaos) {
   const Comparison same = compared(rough(), rough());
   ASSERT_TRUE(same.pairs.front().one_step);
   EXPECT_EQ(same.pairs.front().one_step->steps, 749);  // but for the first of 750
-  for (const PairDifference& pair : same.pairs) EXPECT_LT(pair.one_step->largest(), kOneStepTolerance / 10);
+  for (const PairDifference& pair : same.pairs)
+    EXPECT_LT(pair.one_step->largest(), one_step_tolerance(pair.precision) / 10);
   EXPECT_TRUE(missed_parity(same).empty());
   WorldSpec other = rough();
   other.contact.friction *= 1.01;
@@ -109,7 +110,12 @@ TEST(OneStep, TellsALawFromChaos) {
   EXPECT_GT(wrong.pairs.front().one_step->largest(), 10 * kOneStepTolerance);
   ASSERT_FALSE(missed_parity(wrong).empty());
   EXPECT_NE(missed_parity(wrong).front().find("after one control step"), std::string::npos);
-  // Contacts so stiff that rounding is as large as the motion within a tenth of a second.
+  // Contacts so stiff that rounding is as large as the motion within a tenth of a second; that of float32 is
+  // so in every single step.
+  std::erase_if(matched, [&](std::size_t i) {
+    return find_engine(names[i]).info.capabilities.precision != Precision::kFloat64;
+  });
+  if (matched.size() < 2) return;
   WorldSpec stiff = rough();
   stiff.terrain = Terrain();
   stiff.contact.impratio = 1000;

@@ -70,15 +70,27 @@ class MatchedPair : public ::testing::TestWithParam<Pair> {
 };
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(MatchedPair);
 
-/// Lists pairs; families' ends count along: a release of an engine without what it changed in laws is one.
-inline std::vector<Pair> matched_pairs() {
+/// Lists the available engines, and with them the ends of families: a release of an engine without what it
+/// changed in laws is one.
+inline std::vector<std::string> engines_and_ends() {
   std::vector<std::string> names = available_engines();
   for (const EngineFamily& family : engine_families()) {
     for (const std::string& end : {family.from, family.to}) {
       if (std::find(names.begin(), names.end(), end) == names.end()) names.push_back(end);
     }
   }
-  return pairs_of([](const Laws& a, const Laws& b) { return a == b; }, names);
+  return names;
+}
+
+inline bool is_float32(const std::string& name) {
+  return find_engine(name).info.capabilities.precision == Precision::kFloat32;
+}
+
+/// Lists pairs of the same laws; those of which one rounds to float32, or those of which none does.
+inline std::vector<Pair> matched_pairs(bool float32 = false) {
+  std::vector<Pair> pairs = pairs_of([](const Laws& a, const Laws& b) { return a == b; }, engines_and_ends());
+  std::erase_if(pairs, [&](const Pair& p) { return (is_float32(p.a) || is_float32(p.b)) != float32; });
+  return pairs;
 }
 
 }  // namespace crossgait
