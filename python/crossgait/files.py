@@ -138,7 +138,7 @@ def _remove_left_over(folder: Path) -> None:
             is_folder = left.is_dir(follow_symlinks=False)
             ours = (_TEMPORARY if is_folder else _CORES).fullmatch(left.name)
             # Empty ones may be about to be locked by whoever made them.
-            if ours and (any(os.scandir(left)) if is_folder else left.stat(follow_symlinks=False).st_size > 0):
+            if ours and (os.listdir(left) if is_folder else left.stat(follow_symlinks=False).st_size > 0):
                 with suppress(OSError):
                     _remove_unless_held(left.path)
 
