@@ -10,6 +10,7 @@ namespace crossgait::physx {
 namespace px = ::physx;
 
 /// Stands between PhysX and rows that a derived class writes: `Prepare` reads `Data`, which does not move.
+// NOLINTNEXTLINE(cppcoreguidelines-virtual-class-destructor): virtual in its base, and nobody deletes by it
 class LinkConstraint : private px::PxConstraintConnector {
  public:
   /// Type of the functions that write rows.

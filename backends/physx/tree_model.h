@@ -26,6 +26,8 @@ class TreeModel final : public contact::TreeDynamics {
   /// @throws std::runtime_error if PhysX refuses a part, ConfigError in a fork of the process that made it
   explicit TreeModel(const WorldSpec& spec);
   ~TreeModel() override;
+  TreeModel(const TreeModel&) = delete;
+  TreeModel& operator=(const TreeModel&) = delete;
 
   void renew() override;
   void place(const Pose& X_WC, const JointVector& q, const contact::DofVector& v) noexcept override;
