@@ -25,9 +25,10 @@ struct Difference {
 using Targets = std::function<JointTargets(double time)>;
 
 /// Runs both worlds from `start` (home if null) under the same targets, at a solver tolerance of 1e-12.
+/// @param while_alike  compare only until another number of contacts touches in the one than in the other
 /// @throws std::runtime_error if one diverges
 Difference run_in_step(const Engine& a, const Engine& b, WorldSpec spec, const RobotState* start,
-                       const Targets& targets, double seconds);
+                       const Targets& targets, double seconds, bool while_alike = false);
 
 /// Sums up five seconds of the scenes' trot.
 struct TrotSummary {

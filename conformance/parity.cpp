@@ -13,21 +13,22 @@
 namespace crossgait::conformance {
 namespace {
 
-void add(const PhysicsBackend& a, const PhysicsBackend& b, Difference& result) {
+void add(const PhysicsBackend& a, const PhysicsBackend& b, bool while_alike, Difference& result) {
+  if (a.contacts().count != b.contacts().count) ++result.counts;
+  result.most_contacts = std::max(result.most_contacts, a.contacts().count);
+  if (while_alike && result.counts > 0) return;
   const RobotState &x = a.state(), &y = b.state();
   result.position = std::max(result.position, (x.p_WB - y.p_WB).norm());
   if (x.q.size() > 0) result.joints = std::max(result.joints, (x.q - y.q).lpNorm<Eigen::Infinity>());
   result.attitude = std::max(result.attitude, x.q_WB.angularDistance(y.q_WB));
-  if (a.contacts().count != b.contacts().count) ++result.counts;
   // A foot that lands a step earlier pushes a step earlier.
   if (result.counts == 0) result.force = std::max(result.force, (total_force(a) - total_force(b)).norm());
-  result.most_contacts = std::max(result.most_contacts, a.contacts().count);
 }
 
 }  // namespace
 
 Difference run_in_step(const Engine& a, const Engine& b, WorldSpec spec, const RobotState* start,
-                       const Targets& targets, double seconds) {
+                       const Targets& targets, double seconds, bool while_alike) {
   spec.solver.tolerance = 1e-12;
   const auto x = a.make(spec), y = b.make(spec);
   if (start != nullptr) x->reset(*start);
@@ -38,7 +39,7 @@ Difference run_in_step(const Engine& a, const Engine& b, WorldSpec spec, const R
     const JointTargets now = targets(static_cast<double>(i) * spec.physics_dt);
     advance(*x, now);
     advance(*y, now);
-    add(*x, *y, result);
+    add(*x, *y, while_alike, result);
   }
   return result;
 }
@@ -87,7 +88,11 @@ std::vector<double> same_motion(const Subject& subject, const WorldSpec& spec, C
                                 const Targets& targets, double seconds) {
   RobotState start = subject.make(spec)->home_state();
   change(start);
-  return values_of(run_in_step(subject.engine, *other_of_same_laws(subject), spec, &start, targets, seconds));
+  // Soft contact begins with a jump of its damper's force: by rounding of float32 a foot now and then lands a
+  // step earlier, after which joints are apart by a thousandth of a radian for a while.
+  const bool while_alike = subject.precision() == Precision::kFloat32;
+  return values_of(
+      run_in_step(subject.engine, *other_of_same_laws(subject), spec, &start, targets, seconds, while_alike));
 }
 
 std::vector<double> same_swing(const Subject& subject) {
@@ -179,17 +184,16 @@ std::vector<double> step_time(const Subject& subject) {
 }
 
 std::vector<Requirement> same_requirements() {
-  // Soft contact begins with a jump of its damper's force: by rounding of float32 a foot now and then lands a
-  // step earlier, after which joints are apart by a thousandth of a radian for a while.
   const std::string reason =
-      "a hundred times what was measured between MuJoCo and `bullet:matched`; in float32 "
-      "ten times and more what was measured of `physx:matched`; forces while as many touch";
-  return {
-      with_rounding(at_most(kSameLength, "bases apart", "m", reason), 1e4),
-      with_rounding(at_most(kSameAngle, "joints apart", "rad", reason), 1e5),
-      with_rounding(at_most(kSameAngle, "attitudes apart", "rad", reason), 1e5),
-      with_rounding(at_most(kSameForce, "contact forces apart", "N", reason), 1e6),
-      with_rounding(at_most(0, "steps with another number of contacts", "", "the same places touch"), 1e10)};
+      "a hundred times what was measured between MuJoCo and `bullet:matched`; of float32, "
+      "ten times what was of `physx:matched`, until a foot lands a step earlier";
+  return {with_rounding(at_most(kSameLength, "bases apart", "m", reason), 10),
+          with_rounding(at_most(kSameAngle, "joints apart", "rad", reason), 50),
+          with_rounding(at_most(kSameAngle, "attitudes apart", "rad", reason), 50),
+          with_rounding(at_most(kSameForce, "contact forces apart", "N", reason), 1e5),
+          with_rounding(at_most(0, "steps with another number of contacts", "",
+                                "the same places touch; of float32, in all but 1200 steps"),
+                        1e10)};
 }
 
 }  // namespace
