@@ -9,11 +9,13 @@
 namespace crossgait::physx {
 namespace {
 
+// NOLINTBEGIN(performance-unnecessary-value-param): PhysX's signature
 px::PxFilterFlags touches_nothing(px::PxFilterObjectAttributes /*a*/, px::PxFilterData /*data_a*/,
                                   px::PxFilterObjectAttributes /*b*/, px::PxFilterData /*data_b*/,
                                   px::PxPairFlags& /*flags*/, const void* /*block*/, px::PxU32 /*size*/) {
   return px::PxFilterFlag::eKILL;
 }
+// NOLINTEND(performance-unnecessary-value-param)
 
 }  // namespace
 
