@@ -4,6 +4,7 @@
 #include <string>
 
 #include "physics/core/check_size.h"
+#include "physics/engine/world_group.h"
 
 namespace crossgait {
 namespace {

@@ -12,10 +12,10 @@
 namespace crossgait::mujoco {
 namespace {
 
-ModelPtr compile(const WorldSpec& spec) {
+ModelPtr compile(const WorldSpec& spec, const std::string& xml) {
   const ThrowMujocoErrors errors;
   FileSystem files;
-  files.add("model.xml", model_xml(spec));
+  files.add("model.xml", xml);
   std::array<char, 1000> error{};
   ModelPtr model(read_model(files.get(), error.data(), static_cast<int>(error.size())));
   if (!model) {
@@ -46,8 +46,10 @@ void fill_heights(mjModel& m, const HeightField& field) {
 
 }  // namespace
 
-ModelPtr compile_model(const WorldSpec& spec) {
-  ModelPtr model = compile(spec);
+ModelPtr compile_model(const WorldSpec& spec) { return compile_model(spec, model_xml(spec)); }
+
+ModelPtr compile_model(const WorldSpec& spec, const std::string& xml) {
+  ModelPtr model = compile(spec, xml);
   set_loop_anchors(*model, *spec.robot);
   if (const HeightField* field = spec.terrain.field()) fill_heights(*model, *field);
   return model;

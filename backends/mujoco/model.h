@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include <mujoco/mujoco.h>
 
@@ -16,9 +17,11 @@ struct Deleter {
 using ModelPtr = std::unique_ptr<mjModel, Deleter>;
 using DataPtr = std::unique_ptr<mjData, Deleter>;
 
-/// Compiles `model_xml(spec)` and fills in what MJCF text cannot say: both anchors of every loop, and
-/// heights.
+/// Compiles a model and fills in what MJCF text cannot say: both anchors of every loop, and heights.
+/// @param xml  model_xml(spec)
 /// @throws ConfigError if MuJoCo refuses the model, std::runtime_error if it fails otherwise (memory)
+ModelPtr compile_model(const WorldSpec& spec, const std::string& xml);
+/// Writes the text, and compiles it.
 ModelPtr compile_model(const WorldSpec& spec);
 
 /// Makes data without room for contacts and rows of constraints, a tenth of what a step takes: for places,

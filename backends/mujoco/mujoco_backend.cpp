@@ -120,8 +120,8 @@ class MujocoBackend final : public PhysicsBackend {
     const std::array<mjtNum, 4> wxyz{q.w(), q.x(), q.y(), q.z()};
     const Vector3 p_BC_W = q * base_origin();
     const Vector3 p_WC = state.p_WB + p_BC_W;
-    mjtNum* const qpos = kept_.qpos().data();
-    mjtNum* const qvel = kept_.qvel().data();
+    mjtNum* const qpos = kept_.qpos();
+    mjtNum* const qvel = kept_.qvel();
     if (spec().fixed_base) {
       mju_copy3(kept_.base_position(), p_WC.data());
       mju_copy4(kept_.base_attitude(), wxyz.data());

@@ -1,9 +1,9 @@
 #include "backends/mujoco/simulation.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "backends/mujoco/model_xml.h"
-#include "physics/engine/world_group.h"
 #include "physics/robot/actuator.h"
 
 namespace crossgait::mujoco {
@@ -61,26 +61,27 @@ void Simulation::load(const Occupant& who_is, const KeptState& state, int base_b
   mjData& d = *data_;
   std::copy_n(state.qpos(), m.nq, d.qpos);
   std::copy_n(state.qvel(), m.nv, d.qvel);
-  std::copy_n(state.qvel() + m.nv, m.nv, d.qacc_warmstart);
+  std::copy_n(state.warmstart(), m.nv, d.qacc_warmstart);
   std::copy_n(state.base_position(), 3, m.body_pos + 3 * base_body);
   std::copy_n(state.base_attitude(), 4, m.body_quat + 4 * base_body);
-  d.time = state.numbers().back();
+  d.time = state.time();
   occupant_ = who_is;
 }
 
 void Simulation::store(const Occupant& now, KeptState& state) noexcept {
   const mjData& d = *data_;
-  std::copy_n(d.qpos, model_->nq, state.qpos().begin());
-  std::copy_n(d.qvel, model_->nv, state.qvel().begin());
-  std::copy_n(d.qacc_warmstart, model_->nv, state.warmstart().begin());
+  std::copy_n(d.qpos, model_->nq, state.qpos());
+  std::copy_n(d.qvel, model_->nv, state.qvel());
+  std::copy_n(d.qacc_warmstart, model_->nv, state.warmstart());
   state.time() = d.time;
   occupant_ = now;
 }
 
-Simulations::Simulations(const WorldSpec& spec, std::size_t threads) : spec_(spec), xml_(model_xml(spec)) {
+Simulations::Simulations(const WorldSpec& spec, std::string xml, std::size_t threads)
+    : spec_(spec), xml_(std::move(xml)) {
   spec_.group = nullptr;  // which owns this
   install_terrain_collision();
-  ModelPtr model = compile_model(spec_);
+  ModelPtr model = compile_model(spec_, xml_);
   set_armatures(*model, spec_);
   for (std::size_t i = 1; i < threads; ++i) {
     ModelPtr copy;
@@ -90,14 +91,14 @@ Simulations::Simulations(const WorldSpec& spec, std::size_t threads) : spec_(spe
   all_.push_back(std::make_unique<Simulation>(std::move(model), spec_, spec_.terrain));
 }
 
-bool Simulations::are_of(const WorldSpec& spec) const {
-  return spec.robot == spec_.robot && spec.terrain.field() == spec_.terrain.field() &&
-         model_xml(spec) == xml_;
+bool Simulations::are_of(const WorldSpec& spec, const std::string& xml) const {
+  return spec.robot == spec_.robot && spec.terrain.field() == spec_.terrain.field() && xml == xml_;
 }
 
 std::shared_ptr<Simulations> Simulations::of(const WorldSpec& spec, const std::string& engine) {
+  const std::string xml = model_xml(spec);
   const auto make = [&](std::size_t threads) {
-    return std::shared_ptr<Simulations>(new Simulations(spec, threads));
+    return std::shared_ptr<Simulations>(new Simulations(spec, xml, threads));
   };
   if (spec.group == nullptr) return make(1);
   const auto shared = spec.group->part<Simulations>(engine, [&] {
@@ -105,7 +106,7 @@ std::shared_ptr<Simulations> Simulations::of(const WorldSpec& spec, const std::s
     made->group_ = spec.group.get();
     return made;
   });
-  return shared->are_of(spec) ? shared : make(1);
+  return shared->are_of(spec, xml) ? shared : make(1);
 }
 
 }  // namespace crossgait::mujoco

@@ -3,12 +3,13 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
+#include <string>
 #include <vector>
 
 #include "backends/mujoco/engine_call.h"
 #include "backends/mujoco/model.h"
 #include "backends/mujoco/terrain_collision.h"
+#include "physics/engine/world_group.h"
 
 namespace crossgait::mujoco {
 
@@ -18,17 +19,19 @@ class KeptState {
  public:
   explicit KeptState(const mjModel& model);
 
-  std::span<mjtNum> qpos() noexcept { return std::span(numbers_).first(nq_); }
-  std::span<mjtNum> qvel() noexcept { return std::span(numbers_).subspan(nq_, nv_); }
-  std::span<mjtNum> warmstart() noexcept { return std::span(numbers_).subspan(nq_ + nv_, nv_); }
-  mjtNum* base_position() noexcept { return numbers_.data() + nq_ + 2 * nv_; }
+  mjtNum* qpos() noexcept { return numbers_.data(); }
+  mjtNum* qvel() noexcept { return qpos() + nq_; }
+  mjtNum* warmstart() noexcept { return qvel() + nv_; }
+  mjtNum* base_position() noexcept { return warmstart() + nv_; }
   mjtNum* base_attitude() noexcept { return base_position() + 3; }
   mjtNum& time() noexcept { return numbers_.back(); }
 
   const mjtNum* qpos() const noexcept { return numbers_.data(); }
-  const mjtNum* qvel() const noexcept { return numbers_.data() + nq_; }
-  const mjtNum* base_position() const noexcept { return numbers_.data() + nq_ + 2 * nv_; }
+  const mjtNum* qvel() const noexcept { return qpos() + nq_; }
+  const mjtNum* warmstart() const noexcept { return qvel() + nv_; }
+  const mjtNum* base_position() const noexcept { return warmstart() + nv_; }
   const mjtNum* base_attitude() const noexcept { return base_position() + 3; }
+  mjtNum time() const noexcept { return numbers_.back(); }
 
   /// Puts all joints to zero and everything to rest, the base where the model has it.
   void clear(const mjModel& model, int base_body);
@@ -94,8 +97,9 @@ class Simulations {
   const mjModel& model() const noexcept { return all_.front()->model(); }
 
  private:
-  Simulations(const WorldSpec& spec, std::size_t threads);
-  bool are_of(const WorldSpec& spec) const;
+  /// @param xml  model_xml(spec)
+  Simulations(const WorldSpec& spec, std::string xml, std::size_t threads);
+  bool are_of(const WorldSpec& spec, const std::string& xml) const;
 
   WorldSpec spec_;
   std::string xml_;

@@ -3,11 +3,12 @@
 
 #include <memory>
 
-#include "physics/engine/world_group.h"
 #include "physics/robot/robot.h"
 #include "physics/terrain/terrain.h"
 
 namespace crossgait {
+
+class WorldGroup;
 
 /// Physics steps, s. A thousandth of the usual one is far beyond where the engines' results stop changing.
 inline constexpr double kShortestPhysicsStep = 1e-6, kLongestPhysicsStep = 0.1;
