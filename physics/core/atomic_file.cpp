@@ -22,6 +22,7 @@
 #include "physics/core/folder.h"
 #include "physics/core/input_guard.h"
 #include "physics/core/interruption.h"
+#include "physics/core/left_over.h"
 #include "physics/core/locked_file.h"
 #include "physics/core/progress.h"
 
@@ -57,26 +58,6 @@ bool is_temporary_folder(std::string_view name) {
   return name.starts_with(kBegin) && name.ends_with(kEnd) && name.size() > kBegin.size() + kEnd.size();
 }
 
-/// Removes temporaries whose writers are gone: those hold the lock as long as they live. Where a file system
-/// has no locks, nothing is removed.
-void remove_left_over(const fs::path& folder) {
-  for (const std::string& name : names_in_folder(folder.string())) {
-    if (!is_temporary(name) && !is_temporary_folder(name)) continue;
-    const std::string path = (folder / name).string();
-    const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    if (file < 0) continue;
-    struct stat status {};
-    std::error_code error;  // what cannot be removed is left
-    // A folder that is empty may be about to be locked by whoever made it.
-    const bool is_left = ::fstat(file, &status) == 0 &&
-                         (is_temporary(name) ? S_ISREG(status.st_mode)
-                                             : S_ISDIR(status.st_mode) && !fs::is_empty(path, error)) &&
-                         ::flock(file, LOCK_EX | LOCK_NB) == 0;
-    if (is_left) fs::remove_all(path, error);
-    ::close(file);
-  }
-}
-
 constexpr std::chrono::milliseconds kSlice{20};  // by which a signal is noticed late
 
 /// Waits until a pipe takes more, or its reader is gone, which writing tells. @throws Interrupted
@@ -88,6 +69,21 @@ void wait_until_taken(int file) {
 }
 
 }  // namespace
+
+void remove_left_over(const std::string& folder) {
+  for (const std::string& name : names_in_folder(folder)) {
+    if (is_temporary(name)) {
+      remove_unless_held(fs::path(folder) / name,
+                         [](const fs::path&, const struct stat& status) { return S_ISREG(status.st_mode); });
+    } else if (is_temporary_folder(name)) {
+      // One that is empty may be about to be locked by whoever made it.
+      remove_unless_held(fs::path(folder) / name, [](const fs::path& path, const struct stat& status) {
+        std::error_code error;
+        return S_ISDIR(status.st_mode) && !fs::is_empty(path, error);
+      });
+    }
+  }
+}
 
 std::string place_of_output(const std::string& path) {
   constexpr int kMostLinks = 40;  // as the kernel follows
@@ -137,7 +133,7 @@ void AtomicFile::check_replaced() const {
 void AtomicFile::open_temporary() {
   check_replaced();
   const fs::path place = place_;
-  remove_left_over(place.has_parent_path() ? place.parent_path() : fs::path("."));
+  remove_left_over(place.has_parent_path() ? place.parent_path().string() : ".");
   while (true) {
     target_ = (place.parent_path() / temporary_name(place.filename().string())).string();
     constexpr mode_t kMode = 0666;  // less the umask, like any other file

@@ -10,6 +10,10 @@ namespace crossgait {
 /// put; `path` itself if it is none. @throws ConfigError if they lead round in a circle
 std::string place_of_output(const std::string& path);
 
+/// Removes temporaries from a folder, of AtomicFile and of the Python package, whose writers are gone: those
+/// hold the lock as long as they live. Where a file system has no locks, nothing is removed.
+void remove_left_over(const std::string& folder);
+
 /// Writes a file piece by piece into a temporary in the same folder, renamed to `path` when it is whole:
 /// readers, and a program killed half-way, see the old file or the new one. A symbolic link stays; what it
 /// leads to is replaced. Where `path` exists and is no regular file (a pipe, /dev/null), it is written to

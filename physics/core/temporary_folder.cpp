@@ -10,20 +10,16 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "physics/core/error.h"
 #include "physics/core/folder.h"
+#include "physics/core/left_over.h"
 
 namespace crossgait {
 namespace {
 
 namespace fs = std::filesystem;
-
-int open_folder(const fs::path& path) {
-  return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-}
 
 /// Tells of "crossgait-1234-aBcD12".
 bool is_ours(std::string_view name) {
@@ -42,14 +38,9 @@ bool is_ours(std::string_view name) {
 void remove_left_folders(const fs::path& among) {
   for (const std::string& name : names_in_folder(among.string())) {
     if (!is_ours(name)) continue;
-    const int folder = open_folder(among / name);
-    if (folder < 0) continue;
-    struct stat status {};
-    std::error_code ignored;
-    if (::fstat(folder, &status) == 0 && status.st_uid == ::geteuid() &&
-        ::flock(folder, LOCK_EX | LOCK_NB) == 0)
-      fs::remove_all(among / name, ignored);
-    ::close(folder);
+    remove_unless_held(among / name, [](const fs::path&, const struct stat& status) {
+      return S_ISDIR(status.st_mode) && status.st_uid == ::geteuid();
+    });
   }
 }
 
@@ -66,7 +57,7 @@ bool TemporaryFolder::make(const std::string& command) {
   if (::mkdtemp(path.data()) == nullptr)
     throw ConfigError(command, path, "a folder that can be made", std::generic_category().message(errno));
   path_ = path;
-  lock_ = open_folder(path_);
+  lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   // Whoever removes what is left over may have had the lock first.
   ::flock(lock_, LOCK_SH);
   std::error_code error;
