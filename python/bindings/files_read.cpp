@@ -1,11 +1,14 @@
-// Which files the core reads for what Python asks of it.
+// Files as the core has them: which it read, who writes one, what killed writers left.
 #include "physics/core/files_read.h"
 
 #include <memory>
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "physics/core/atomic_file.h"
+#include "physics/core/locked_file.h"
 #include "python/bindings/bindings.h"
 
 namespace crossgait::python {
@@ -31,6 +34,9 @@ void bind_files_read(nb::module_& m) {
       .def(nb::init<>())
       .def("paths", &paths_of, "Those so far, each once.")
       .def("close", [](OpenFilesRead& self) { self.files.reset(); });
+  m.def("_writer_of", &writer_of, nb::arg("path"), "Who holds the lock of a regular file, in words.");
+  m.def("_remove_left_over", &remove_left_over, nb::arg("folder"),
+        "Removes temporaries whose writers are gone, of the core and of the package.");
 }
 
 }  // namespace crossgait::python

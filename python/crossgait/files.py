@@ -5,8 +5,6 @@ from __future__ import annotations
 import errno
 import fcntl
 import os
-import re
-import shutil
 import stat
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -21,8 +19,6 @@ Named = tuple[str, str | os.PathLike[str] | None]  #: an option or what else nam
 
 CHECKPOINT_BYTES = 256 << 20  #: of a file of PyTorch's or Stable-Baselines3's at most
 
-_TEMPORARY = re.compile(r"\.crossgait-\w+\.tmp")  #: a folder, of this package
-_CORES = re.compile(r".*\.crossgait-\d+-\d+\.tmp")  #: a file, of the core
 _noted: list[list[str]] = []  #: by `noting_reads`, the innermost last
 
 
@@ -86,7 +82,7 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield target
         return
     _check_not_locked(target, path)
-    _remove_left_over(target.parent)
+    _core._remove_left_over(os.fspath(target.parent))
     # A folder, so that the file is made by whoever writes it, with the permissions of any other file.
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".crossgait-", suffix=".tmp") as folder:
         held = _hold(folder)
@@ -102,18 +98,8 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 def _check_not_locked(target: Path, path: str | os.PathLike[str]) -> None:
     """Raise ConfigError if somebody holds the lock of what is to be replaced, as `LockedFile` of the core does."""
-    try:
-        file = os.open(target, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-    except OSError:
-        return  # there is none, or writing says what is wrong
-    try:
-        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except OSError as error:
-        if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
-            found = f"one that {_holder(file)} is writing"
-            raise ConfigError(os.fspath(path), "output file", "a file that nobody is writing", found) from error
-    finally:
-        os.close(file)
+    if (writer := _core._writer_of(os.fspath(target))) is not None:
+        raise ConfigError(os.fspath(path), "output file", "a file that nobody is writing", writer)
 
 
 def _sync(path: Path) -> None:
@@ -130,29 +116,6 @@ def _hold(folder: str) -> int:
     with suppress(OSError):  # where there are no locks, nothing is removed either
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     return file
-
-
-def _remove_left_over(folder: Path) -> None:
-    with suppress(OSError):
-        for left in os.scandir(folder):
-            is_folder = left.is_dir(follow_symlinks=False)
-            ours = (_TEMPORARY if is_folder else _CORES).fullmatch(left.name)
-            # Empty ones may be about to be locked by whoever made them.
-            if ours and (os.listdir(left) if is_folder else left.stat(follow_symlinks=False).st_size > 0):
-                with suppress(OSError):
-                    _remove_unless_held(left.path)
-
-
-def _remove_unless_held(path: str) -> None:
-    file = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if stat.S_ISDIR(mode := os.fstat(file).st_mode):
-            shutil.rmtree(path)
-        elif stat.S_ISREG(mode):
-            os.unlink(path)
-    finally:
-        os.close(file)
 
 
 @contextmanager
@@ -200,19 +163,6 @@ def lock(file: int, path: str | os.PathLike[str], element: str, expected: str) -
         if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
             expected, found = "a file system with locks (flock)", str(error.strerror)
         else:
-            found = f"one that {_holder(file)} is writing"
+            # The kernel does not tell of processes in other containers or on other machines, nor of one just gone.
+            found = _core._writer_of(f"/proc/self/fd/{file}") or "one that another process is writing"
         raise ConfigError(os.fspath(path), element, expected, found) from error
-
-
-def _holder(file: int) -> str:
-    """Who has the lock, in words; the kernel does not tell of processes in other containers or on other machines."""
-    there = os.fstat(file)
-    wanted = f"{os.major(there.st_dev):02x}:{os.minor(there.st_dev):02x}:{there.st_ino}"
-    try:
-        locks = Path("/proc/locks").read_text().splitlines()
-    except OSError:
-        locks = []
-    for words in map(str.split, locks):  # "7: FLOCK ADVISORY WRITE 1234 fd:00:5326004 0 EOF"
-        if len(words) > 5 and words[1] == "FLOCK" and words[5] == wanted:
-            return f"process {words[4]}"
-    return "another process"
