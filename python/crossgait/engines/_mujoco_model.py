@@ -12,12 +12,10 @@ from typing import Any
 import numpy as np
 
 from crossgait.extras import needed_for
-from crossgait.serving import Array, ServedWorld
+from crossgait.serving import MOST_CONTACTS, Array, ServedWorld
 
 with needed_for("worlds in MuJoCo Warp", "mujoco-warp"):
     import mujoco
-
-MOST_CONTACTS = 64  #: as Crossgait hands out, kMaxContacts
 
 
 def body_origin(world: ServedWorld, body: int) -> Array:

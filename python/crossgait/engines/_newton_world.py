@@ -5,20 +5,29 @@ What of a step a solver does, a subclass says; `newton.py` and `newton_kamino.py
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 
 from crossgait.extras import needed_for
-from crossgait.serving import Array, ContactPoint, EngineContact, EngineState, ServedWorld, rotated
+from crossgait.serving import (
+    MOST_CONTACTS,
+    Array,
+    ContactPoint,
+    EngineContact,
+    EngineState,
+    ServedWorld,
+    rotated,
+    serve_engine,
+)
 
 with needed_for("worlds in Newton", "newton"):
     import newton
     import warp as wp
 
-__all__ = ["MOST_CONTACTS", "NewtonWorld", "newton", "wp"]
-
-MOST_CONTACTS = 64  #: as Crossgait hands out, kMaxContacts
+__all__ = ["NewtonWorld", "newton", "serve_solver"]
 
 
 class NewtonWorld:
@@ -249,3 +258,18 @@ class NewtonWorld:
         m = self._model
         lower, upper = (a.numpy()[self._v].astype(float) for a in (m.joint_limit_lower, m.joint_limit_upper))
         return lower, upper
+
+
+def serve_solver(engine: type[NewtonWorld], mode: str, law: str, holds: Iterable[str]) -> None:
+    """Serve a solver's worlds: `law` is that of contacts, loops and limits, and of what `holds` names besides."""
+    wp.config.log_level = wp.LOG_WARNING
+    serve_engine(
+        engine,
+        library="Newton",
+        version=version("newton"),
+        mode=mode,
+        contact_margin=1e-3,
+        own_dynamics=True,
+        laws={part: law for part in ("contact", "loops", "joint_limits", *holds)} | {"contact_family": "rigid"},
+        capabilities={"exact_field_query": True, "precision": "float32"},
+    )

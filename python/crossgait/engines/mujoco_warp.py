@@ -10,9 +10,18 @@ from importlib.metadata import version
 
 import numpy as np
 
-from crossgait.engines._mujoco_model import MOST_CONTACTS, body_origin, model_of, row_capacity
+from crossgait.engines._mujoco_model import body_origin, model_of, row_capacity
 from crossgait.extras import needed_for
-from crossgait.serving import Array, ContactPoint, EngineContact, EngineState, ServedWorld, rotated, serve_engine
+from crossgait.serving import (
+    MOST_CONTACTS,
+    Array,
+    ContactPoint,
+    EngineContact,
+    EngineState,
+    ServedWorld,
+    rotated,
+    serve_engine,
+)
 
 with needed_for("worlds in MuJoCo Warp", "mujoco-warp"):
     import mujoco

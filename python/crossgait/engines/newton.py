@@ -5,13 +5,12 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 
-from crossgait.engines._newton_world import MOST_CONTACTS, NewtonWorld, newton, wp
-from crossgait.serving import Array, rotated, serve_engine
+from crossgait.engines._newton_world import NewtonWorld, newton, serve_solver
+from crossgait.serving import MOST_CONTACTS, Array, rotated
 
 
 class Steel(NewtonWorld):
@@ -48,20 +47,4 @@ class Steel(NewtonWorld):
 
 
 if __name__ == "__main__":
-    wp.config.log_level = wp.LOG_WARNING
-    serve_engine(
-        Steel,
-        library="Newton",
-        version=version("newton"),
-        mode="Steel: hard contact, projected Gauss-Seidel, in float32",
-        contact_margin=1e-3,
-        own_dynamics=True,
-        laws={
-            "contact": "steel/sweeps",
-            "loops": "steel/sweeps",
-            "joint_limits": "steel/sweeps",
-            "couplings": "steel/sweeps",
-            "contact_family": "rigid",
-        },
-        capabilities={"exact_field_query": True, "precision": "float32"},
-    )
+    serve_solver(Steel, "Steel: hard contact, projected Gauss-Seidel, in float32", "steel/sweeps", ["couplings"])

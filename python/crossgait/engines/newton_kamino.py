@@ -5,11 +5,10 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from typing import Any
 
-from crossgait.engines._newton_world import NewtonWorld, newton, wp
-from crossgait.serving import Array, serve_engine
+from crossgait.engines._newton_world import NewtonWorld, newton, serve_solver
+from crossgait.serving import Array
 
 
 class Kamino(NewtonWorld):
@@ -35,20 +34,4 @@ class Kamino(NewtonWorld):
 
 
 if __name__ == "__main__":
-    wp.config.log_level = wp.LOG_WARNING
-    serve_engine(
-        Kamino,
-        library="Newton",
-        version=version("newton"),
-        mode="Kamino: hard contact, proximal ADMM, in float32",
-        contact_margin=1e-3,
-        own_dynamics=True,
-        laws={
-            "contact": "kamino/admm",
-            "loops": "kamino/admm",
-            "joint_friction": "kamino/admm",
-            "joint_limits": "kamino/admm",
-            "contact_family": "rigid",
-        },
-        capabilities={"exact_field_query": True, "precision": "float32"},
-    )
+    serve_solver(Kamino, "Kamino: hard contact, proximal ADMM, in float32", "kamino/admm", ["joint_friction"])

@@ -7,6 +7,7 @@ any other: `crossgait walk --engine python:my_engine.py`. docs/engines-in-proces
 from crossgait.serving.server import serve_engine
 from crossgait.serving.tree import TreeEngine, rotated, turned
 from crossgait.serving.world import (
+    MOST_CONTACTS,
     Array,
     ContactPoint,
     EngineContact,
@@ -17,6 +18,7 @@ from crossgait.serving.world import (
 )
 
 __all__ = [
+    "MOST_CONTACTS",
     "Array",
     "ContactPoint",
     "EngineContact",

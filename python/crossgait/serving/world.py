@@ -10,6 +10,8 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
+MOST_CONTACTS = 64  #: points that Crossgait hands out at once, kMaxContacts
+
 #: What an engine may answer beside `reset`, `step` and `state`, by the method that does it.
 OPTIONAL = {
     "contacts": "contacts",
