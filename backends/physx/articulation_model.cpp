@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "backends/physx/convert.h"
 #include "backends/physx/links.h"
@@ -36,15 +37,9 @@ ArticulationModel::ArticulationModel(const WorldSpec& spec, const Settings& sett
   add_loops(settings);
   cache_ = std::make_unique<CacheOfStock>(*articulation_);
 
-  std::vector<std::size_t> by_index(links_.size());
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    indices_.push_back(links_[i]->getLinkIndex());
-    by_index[indices_.back()] = i;
-  }
-  dofs_.resize(links_.size() - 1);
-  std::size_t dof = 0;
-  for (const std::size_t body : by_index)
-    if (body > 0) dofs_[body - 1] = dof++;
+  LinkOrder order = order_of(links_);
+  indices_ = std::move(order.links);
+  dofs_ = std::move(order.dofs);
   before_.resize(links_.size());
   for (std::size_t i = 0; i < links_.size(); ++i) groups_.push_back(i);
   for (const LoopClosure& loop : spec.robot->loops) {

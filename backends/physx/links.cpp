@@ -69,4 +69,18 @@ px::PxArticulationLink& add_link(px::PxArticulationReducedCoordinate& articulati
   return *link;
 }
 
+LinkOrder order_of(const std::vector<px::PxArticulationLink*>& links) {
+  LinkOrder order;
+  std::vector<std::size_t> by_index(links.size());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    order.links.push_back(links[i]->getLinkIndex());
+    by_index[order.links.back()] = i;
+  }
+  order.dofs.resize(links.size() - 1);
+  std::size_t dof = 0;
+  for (const std::size_t body : by_index)
+    if (body > 0) order.dofs[body - 1] = dof++;
+  return order;
+}
+
 }  // namespace crossgait::physx

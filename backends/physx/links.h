@@ -1,6 +1,7 @@
 // Bodies as links of a PhysX articulation.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -27,5 +28,14 @@ px::PxArticulationLink& add_link(px::PxArticulationReducedCoordinate& articulati
                                  const std::vector<Body>& bodies, std::size_t i,
                                  const std::vector<px::PxArticulationLink*>& links,
                                  const std::vector<Pose>& X_BP);
+
+/// Says where a cache of PhysX's has what belongs to bodies and joints: its order is its own.
+struct LinkOrder {
+  std::vector<std::size_t> links;  ///< index of its link, by body
+  std::vector<std::size_t> dofs;   ///< index of its degree of freedom, by joint
+};
+
+/// Finds it out. @param links  by body, of an articulation in a scene
+LinkOrder order_of(const std::vector<px::PxArticulationLink*>& links);
 
 }  // namespace crossgait::physx

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "backends/physx/convert.h"
 #include "physics/robot/principal_inertia.h"
@@ -67,16 +68,9 @@ void TreeModel::build() {
     links_.push_back(&add_link(*articulation_, bodies, i, links_, X_BP_));
   scene_->addArticulation(*articulation_);
   cache_ = std::make_unique<CacheOfStock>(*articulation_);
-  indices_.clear();
-  std::vector<std::size_t> by_index(links_.size());
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    indices_.push_back(links_[i]->getLinkIndex());
-    by_index[indices_.back()] = i;
-  }
-  dofs_by_joint_.resize(links_.size() - 1);
-  std::size_t dof = 0;
-  for (const std::size_t body : by_index)
-    if (body > 0) dofs_by_joint_[body - 1] = dof++;
+  LinkOrder order = order_of(links_);
+  indices_ = std::move(order.links);
+  dofs_by_joint_ = std::move(order.dofs);
   poisoned_ = false;
 }
 
