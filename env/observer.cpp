@@ -12,6 +12,8 @@
 namespace crossgait {
 namespace {
 
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
 // Bounds of clamp(scale clamp(x + n, +-clip_unscaled), +-clip) for x within an entry's own.
 LayoutEntry seen_as(LayoutEntry entry, double scale, const ObservationTerm& term) {
   if (scale != 1) entry.unit = fmt::format("{} x {:g}", entry.unit, scale);
@@ -91,6 +93,7 @@ Observer::Observer(const std::vector<ObservationTerm>& terms, const ObservationC
     if (!term.scale.empty()) {
       for (std::size_t i = 0; i < entries.size(); ++i) own.scale.push_back(scale_of(term, i));
     }
+    own.plain = own.scale.empty() && own.noise == 0 && std::min(own.clip, own.clip_unscaled) == kUnbounded;
     if (own.remembered) {
       own.delay = step_count(term.delay, between_looks);
       own.spacing = step_count(policy_dt, between_looks);
@@ -112,6 +115,7 @@ void Observer::restart(std::uint64_t seed) noexcept {
 void Observer::write(const Term& term, const ObservationSource& source, double* out) noexcept {
   double* end = out;
   term.block->write(source, end);
+  if (term.plain) return;
   for (std::size_t i = 0; i < term.size; ++i) {
     double& value = out[i];
     if (term.noise > 0) value += noise_.uniform(-term.noise, term.noise);

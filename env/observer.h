@@ -45,6 +45,7 @@ class Observer {
     int history = 1;
     bool remembered;
     std::size_t begin = 0;  // in a row of the memory
+    bool plain = false;     // seen as it is
   };
 
   /// Adds what a term shows of one instant: `age` policy steps before the newest that it sees.

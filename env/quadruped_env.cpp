@@ -229,7 +229,7 @@ void QuadrupedEnv::measure() {
   }
   if (e.steps == 0) e.last_parameters = e.parameters;
   e.info.roll_pitch_yaw = roll_pitch_yaw(state.q_WB);
-  e.info.roll_pitch_yaw.z() = std::remainder(e.info.roll_pitch_yaw.z() - statistics.start_yaw(), 2 * M_PI);
+  e.info.roll_pitch_yaw.z() = wrapped(e.info.roll_pitch_yaw.z() - statistics.start_yaw());
   const Vector3 moved = in_heading(state.p_WB - statistics.start(), statistics.start_yaw());
   e.info.distance = moved.x();
   e.info.lateral = moved.y();

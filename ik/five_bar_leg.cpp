@@ -14,14 +14,17 @@ bool clamp_to_limits(const FiveBarGeometry& g, ServoAngles& q) {
   return changed;
 }
 
-/// A leg with its foot on the target or as near as the links allow: joint limits do not enter.
-struct PlacedLeg {
-  IkStatus status = IkStatus::kOk;
-  double tilt = 0;  ///< of the joint, rad
-  ChainLinks a, b;
-};
+// Writes what the joints' limits leave of a placed leg's angles; `limited` is set if one binds.
+ServoSolution servo_solution(const FiveBarGeometry& g, const PlacedLeg& leg, bool& limited) {
+  ServoSolution solution{leg.status, {leg.tilt, shoulder_angle(g.a, leg.a), shoulder_angle(g.b, leg.b)}};
+  limited = clamp_to_limits(g, solution.angles);
+  if (limited && leg.status == IkStatus::kOk) solution.status = IkStatus::kClampedJointLimit;
+  return solution;
+}
 
-PlacedLeg place_leg(const FiveBarGeometry& g, const Vector3& target, WorkingMode mode) {
+}  // namespace
+
+PlacedLeg place_leg(const FiveBarGeometry& g, const Vector3& target, WorkingMode mode) noexcept {
   PlacedLeg leg;
   Vector3 p = target;
   if (!target.allFinite()) {
@@ -34,10 +37,12 @@ PlacedLeg place_leg(const FiveBarGeometry& g, const Vector3& target, WorkingMode
   if (g.has_tilt) {
     // Not above the shoulders.
     const double b = g.axis_to_shoulder_down;
-    const auto [tilt, D, too_near] = plane_through(g, p.y(), p.z(), std::max(b, 0.0));
-    leg.tilt = tilt;
-    foot.y() = D - b;
-    if (too_near) aside = IkStatus::kClampedTooNear;
+    const TiltedPlane plane = plane_through(g, p.y(), p.z(), std::max(b, 0.0));
+    leg.tilt = plane.tilt;
+    leg.c = plane.c;
+    leg.s = plane.s;
+    foot.y() = plane.D - b;
+    if (plane.too_near) aside = IkStatus::kClampedTooNear;
   } else if (std::abs(p.y()) > kOffPlane) {
     aside = IkStatus::kClampedTooFar;
   }
@@ -45,24 +50,19 @@ PlacedLeg place_leg(const FiveBarGeometry& g, const Vector3& target, WorkingMode
   if (clamped == IkStatus::kOk) clamped = aside;
   if (leg.status == IkStatus::kOk) leg.status = clamped;
   const ElbowSigns signs = elbow_signs(mode);
+  leg.foot = foot;
   leg.a = place_links(g.a, foot, signs.a);
   leg.b = place_links(g.b, foot, signs.b);
   return leg;
 }
 
-/// @param limited  set if a joint limit binds
-ServoSolution servo_solution(const FiveBarGeometry& g, const PlacedLeg& leg, bool& limited) {
-  ServoSolution solution{leg.status, {leg.tilt, shoulder_angle(g.a, leg.a), shoulder_angle(g.b, leg.b)}};
-  limited = clamp_to_limits(g, solution.angles);
-  if (limited && leg.status == IkStatus::kOk) solution.status = IkStatus::kClampedJointLimit;
-  return solution;
+ServoSolution servos_of(const FiveBarGeometry& g, const PlacedLeg& leg) noexcept {
+  bool limited = false;
+  return servo_solution(g, leg, limited);
 }
 
-}  // namespace
-
 ServoSolution solve_servos(const FiveBarGeometry& g, const Vector3& target, WorkingMode mode) noexcept {
-  bool limited = false;
-  return servo_solution(g, place_leg(g, target, mode), limited);
+  return servos_of(g, place_leg(g, target, mode));
 }
 
 LegSolution solve_leg(const FiveBarGeometry& g, const Vector3& target, WorkingMode mode) noexcept {
@@ -93,23 +93,32 @@ LegPosition forward_leg(const FiveBarGeometry& g, double tilt, double shoulder_l
 }
 
 Matrix3 leg_jacobian(const FiveBarGeometry& g, const LegAngles& q) noexcept {
-  const Vector2 upper_a = upper_link(g.a, q.shoulder_left), upper_b = upper_link(g.b, q.shoulder_right);
-  const Vector2 lower_a = lower_link(g.a, upper_a, q.elbow_left),
-                lower_b = lower_link(g.b, upper_b, q.elbow_right);
-  const Vector2 foot = Vector2(g.a.shoulder_x, 0) + upper_a + lower_a;
+  PlacedLeg leg;
+  leg.a.upper = upper_link(g.a, q.shoulder_left);
+  leg.b.upper = upper_link(g.b, q.shoulder_right);
+  leg.a.lower = lower_link(g.a, leg.a.upper, q.elbow_left);
+  leg.b.lower = lower_link(g.b, leg.b.upper, q.elbow_right);
+  leg.foot = Vector2(g.a.shoulder_x, 0) + leg.a.upper + leg.a.lower;
+  leg.tilt = g.has_tilt ? q.tilt : 0;
+  leg.c = std::cos(leg.tilt);
+  leg.s = g.tilt_sign * std::sin(leg.tilt);
+  return leg_jacobian(g, leg);
+}
+
+Matrix3 leg_jacobian(const FiveBarGeometry& g, const PlacedLeg& leg) noexcept {
   // lower_i . foot' = lower_i . elbow_i', with elbow_i' = (upper_i turned by a right angle) times the plane
   // angle's rate.
-  const double along_a = g.a.shoulder_sign * cross(upper_a, lower_a);
-  const double along_b = g.b.shoulder_sign * cross(upper_b, lower_b);
+  const Vector2 &lower_a = leg.a.lower, &lower_b = leg.b.lower;
+  const double along_a = g.a.shoulder_sign * cross(leg.a.upper, lower_a);
+  const double along_b = g.b.shoulder_sign * cross(leg.b.upper, lower_b);
   const double det = cross(lower_a, lower_b);
   const Vector2 column_a = Vector2(lower_b.y(), -lower_b.x()) * (along_a / det);
   const Vector2 column_b = Vector2(-lower_a.y(), lower_a.x()) * (along_b / det);
 
-  const double tilt = g.has_tilt ? q.tilt : 0, c = std::cos(tilt), s = g.tilt_sign * std::sin(tilt);
   Matrix3 J;
-  J.col(0) = g.has_tilt ? tilt_column(g, foot.y(), c, s) : Vector3(Vector3::Zero());
-  J.col(1) = tilted_velocity(g, column_a, c, s);
-  J.col(2) = tilted_velocity(g, column_b, c, s);
+  J.col(0) = g.has_tilt ? tilt_column(g, leg.foot.y(), leg.c, leg.s) : Vector3(Vector3::Zero());
+  J.col(1) = tilted_velocity(g, column_a, leg.c, leg.s);
+  J.col(2) = tilted_velocity(g, column_b, leg.c, leg.s);
   return J;
 }
 

@@ -34,6 +34,22 @@ struct ServoSolution {
   ServoAngles angles;
 };
 
+/// Describes where the links are with the foot on a target, or as near as they allow: joint limits do not
+/// enter.
+struct PlacedLeg {
+  IkStatus status = IkStatus::kOk;
+  double tilt = 0;                 ///< of the joint, rad
+  double c = 1, s = 0;             ///< cosine and sine of the outward tilt
+  Vector2 foot = Vector2::Zero();  ///< (x, depth below the shoulders) in the leg's plane, m
+  ChainLinks a, b;
+};
+
+/// Places a leg: the first half of `solve_leg`, which finds no angle but the tilt.
+[[nodiscard]] PlacedLeg place_leg(const FiveBarGeometry& geometry, const Vector3& target,
+                                  WorkingMode mode = kDefaultMode) noexcept;
+/// Finds the servos' angles of a leg that is placed, within their limits.
+[[nodiscard]] ServoSolution servos_of(const FiveBarGeometry& geometry, const PlacedLeg& leg) noexcept;
+
 /// Does `solve_leg` without the passive elbows, for control loops: the same angles in two thirds of the time.
 [[nodiscard]] ServoSolution solve_servos(const FiveBarGeometry& geometry, const Vector3& target,
                                          WorkingMode mode = kDefaultMode) noexcept;
@@ -56,6 +72,8 @@ struct LegPosition {
 /// for either chain. Not finite where the lower links are parallel (`LegMargins::parallel` is
 /// zero).
 Matrix3 leg_jacobian(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
+/// Computes the same of a leg that is placed, without the sines and cosines of its angles.
+Matrix3 leg_jacobian(const FiveBarGeometry& geometry, const PlacedLeg& leg) noexcept;
 
 /// Tells which way the elbows bend.
 WorkingMode working_mode_of(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;

@@ -120,7 +120,7 @@ SerialSolution solve_serial(const SerialLegGeometry& g, const Vector3& target, K
   Vector2 foot(p.x(), -p.z());
   IkStatus aside = IkStatus::kOk;
   if (g.has_abduction) {
-    const auto [tilt, D, too_near] = plane_through(g, p.y(), p.z(), 0);
+    const auto [tilt, c, s, D, too_near] = plane_through(g, p.y(), p.z(), 0);
     solution.angles.abduction = tilt;
     foot.y() = D - g.axis_to_shoulder_down;
     if (too_near) aside = IkStatus::kClampedTooNear;

@@ -36,6 +36,7 @@ inline constexpr double kAxisAlignment = 1e-4;
 /// Describes the plane through a target: what inverse kinematics do about the tilt axis.
 struct TiltedPlane {
   double tilt = 0;        ///< of the joint, rad
+  double c = 1, s = 0;    ///< cosine and sine of the outward tilt
   double D = 0;           ///< of the foot below the axis, in the plane, m
   bool too_near = false;  ///< the target is nearer to the axis than D_min allows; D is D_min
 };
@@ -49,7 +50,11 @@ inline TiltedPlane plane_through(const TiltMount& g, double y, double z, double 
   const bool too_near = D2 < D_min * D_min;
   const double D = too_near ? D_min : std::sqrt(D2);
   // The difference of the two angles of the tilt equation, as one.
-  return {g.tilt_sign * std::atan2(Y * D - Z * a, Z * D + Y * a), D, too_near};
+  const Vector2 outward(Z * D + Y * a, Y * D - Z * a);
+  const double norm = outward.norm();
+  const double tilt = g.tilt_sign * std::atan2(outward.y(), outward.x());
+  if (norm == 0) return {tilt, 1, 0, D, too_near};  // on the axis
+  return {tilt, outward.x() / norm, outward.y() / norm, D, too_near};
 }
 
 /// Places the foot in the leg frame from its place in the leg's plane and the outward tilt (cos, sin).

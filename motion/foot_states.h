@@ -32,6 +32,8 @@ class FootKinematics {
     Matrix3 R;        // of the joint's frame in its parent at zero angle
     bool aligned;     // R is the identity, as in most robots
     Vector3 p, axis;  // joint's origin in its parent, m; unit axis in its own frame
+    int coordinate;   // that the axis is, as in most robots, and its direction; else sign is 0
+    double sign;
     Eigen::Index joint;
   };
   struct Chain {

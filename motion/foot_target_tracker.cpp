@@ -98,25 +98,44 @@ LegInverse FootTargetTracker::solve(Leg leg, const Vector3& foot) const noexcept
   return kinematics.inverse({foot.x(), 0, foot.z()});
 }
 
-// Torques of the servos that the motion since the last update takes, N m, and those that hold up `load` (N).
-ServoVector FootTargetTracker::torque(Leg leg, const Vector3& position, const LegPosture& posture,
-                                      double load, double dt) const noexcept {
-  const LegServos& servos = servos_[leg];
+// A five-bar's links say all of it, without the sines of its angles.
+FootTargetTracker::Solution FootTargetTracker::follow(Leg leg, const Vector3& foot,
+                                                      double dt) const noexcept {
   const LegKinematics& kinematics = kinematics_[leg];
-  const LegJacobian jacobian = kinematics.jacobian(posture);
-  ServoVector torque = -load * jacobian.row(2).transpose();  // the foot pushes down
-  if (compensation_.lag && moving_) {
-    const LastUpdate& last = last_[leg];
-    ServoVector lag = (posture.servos - last.servos) / dt;
-    for (Eigen::Index k = 0; k < lag.size(); ++k)
-      lag[k] = servos.drag[static_cast<std::size_t>(k)].torque(lag[k]);
-    if (const auto* five_bar = kinematics.as<FiveBarGeometry>()) {
-      const Vector3 drag = elbow_drag_force(*five_bar, position, kinematics.home_branch().mode,
-                                            (position - last.position) / dt, servos.passive_drag);
-      lag += jacobian.transpose() * drag;
-    }
-    const ServoVector bound = compensation_.max_lead * servos.stiffness;
-    torque += lag.cwiseMax(-bound).cwiseMin(bound);
+  Solution s;
+  const auto* five_bar = kinematics.as<FiveBarGeometry>();
+  if (five_bar == nullptr) {
+    const LegInverse inverse = solve(leg, foot);
+    s.status = inverse.status;
+    s.servos = inverse.posture.servos;
+    if (compensates()) s.jacobian = kinematics.jacobian(inverse.posture);
+    return s;
+  }
+  const int count = kinematics.servo_count();
+  const PlacedLeg placed =
+      place_leg(*five_bar, {foot.x(), count == 3 ? foot.y() : 0, foot.z()}, kinematics.home_branch().mode);
+  const ServoSolution found = servos_of(*five_bar, placed);
+  s.status = found.status;
+  s.servos = Vector3(found.angles.tilt, found.angles.shoulder_left, found.angles.shoulder_right).tail(count);
+  if (compensates()) s.jacobian = leg_jacobian(*five_bar, placed).rightCols(count);
+  if (compensation_.lag && moving_)
+    s.drag =
+        elbow_drag_force(*five_bar, placed, (foot - last_[leg].position) / dt, servos_[leg].passive_drag);
+  return s;
+}
+
+// Torques of the servos that the motion since the last update takes, N m, and those that hold up `load` (N).
+ServoVector FootTargetTracker::torque(Leg leg, const Solution& at, double load, double dt) const noexcept {
+  const LegServos& servos = servos_[leg];
+  ServoVector torque(at.servos.size());
+  for (Eigen::Index k = 0; k < torque.size(); ++k) {
+    torque[k] = -load * at.jacobian(2, k);  // the foot pushes down
+    if (!compensation_.lag || !moving_) continue;
+    const double rate = (at.servos[k] - last_[leg].servos[k]) / dt;
+    const double lag =
+        servos.drag[static_cast<std::size_t>(k)].torque(rate) + at.jacobian.col(k).dot(at.drag);
+    const double bound = compensation_.max_lead * servos.stiffness[k];
+    torque[k] += std::clamp(lag, -bound, bound);
   }
   if (!torque.allFinite()) torque.setZero();
   return torque;
@@ -124,18 +143,17 @@ ServoVector FootTargetTracker::torque(Leg leg, const Vector3& position, const Le
 
 const JointTargets& FootTargetTracker::update(const LegArray<Vector3>& feet, double dt) noexcept {
   const LegArray<double> shares = load_shares(feet, compensation_.load_depth);
-  const bool compensates = compensation_.lag || compensation_.load;
   for (const Leg leg : kLegs) {
-    const LegInverse solution = solve(leg, feet[leg]);
+    const Solution solution = follow(leg, feet[leg], dt);
     const LegServos& servos = servos_[leg];
     status_[leg] = solution.status;
     if (solution.status != IkStatus::kOk) ++clamped_;
-    ServoVector servo = solution.posture.servos;
-    if (compensates && solution.status == IkStatus::kOk) {
+    ServoVector servo = solution.servos;
+    if (compensates() && solution.status == IkStatus::kOk) {
       const double load = compensation_.load ? load_share_ * weight_ * shares[leg] : 0;
-      servo += torque(leg, feet[leg], solution.posture, load, dt).cwiseQuotient(servos.stiffness);
+      servo += torque(leg, solution, load, dt).cwiseQuotient(servos.stiffness);
     }
-    last_[leg] = {feet[leg], solution.posture.servos};
+    last_[leg] = {feet[leg], solution.servos};
     for (Eigen::Index k = 0; k < servo.size(); ++k)
       targets_.q[servos.slots[static_cast<std::size_t>(k)]] = servo[k];
   }

@@ -79,8 +79,16 @@ class FootTargetTracker {
     Vector3 position = Vector3::Zero();  // m
     ServoVector servos;                  // rad
   };
-  ServoVector torque(Leg leg, const Vector3& position, const LegPosture& posture, double load,
-                     double dt) const noexcept;
+  // What a leg is to do, and what compensation takes of its kinematics.
+  struct Solution {
+    IkStatus status = IkStatus::kOk;
+    ServoVector servos;              // rad
+    LegJacobian jacobian;            // empty where nothing is compensated
+    Vector3 drag = Vector3::Zero();  // of passive elbows on the foot, N
+  };
+  bool compensates() const noexcept { return compensation_.lag || compensation_.load; }
+  Solution follow(Leg leg, const Vector3& foot, double dt) const noexcept;
+  ServoVector torque(Leg leg, const Solution& at, double load, double dt) const noexcept;
   LegInverse solve(Leg leg, const Vector3& foot) const noexcept;
 
   std::shared_ptr<const RobotDescription> robot_;

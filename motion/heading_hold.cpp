@@ -10,7 +10,7 @@ double HeadingHoldState::update(const HeadingHold& options, const RobotState& st
   if (!options.on) return 0;
   const double heading = roll_pitch_yaw(state.q_WB).z();
   if (!wanted_) wanted_ = heading;
-  const double behind = std::remainder(*wanted_ - heading, 2 * M_PI);
+  const double behind = wrapped(*wanted_ - heading);
   *wanted_ += commanded * dt;
   return std::clamp(options.gain * behind, -options.max_rate, options.max_rate);
 }

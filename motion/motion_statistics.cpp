@@ -22,8 +22,6 @@ bool lasts(std::int64_t steps, double dt, double seconds) {
   return static_cast<double>(steps) * dt > seconds * (1 - 1e-9);
 }
 
-double wrap(double angle) { return std::remainder(angle, 2 * M_PI); }
-
 }  // namespace
 
 bool MotionSummary::failed() const noexcept {
@@ -123,7 +121,7 @@ void MotionStatistics::add_attitude(const PhysicsBackend& world) noexcept {
   t_.roll_pitch_yaw = crossgait::roll_pitch_yaw(world.state().q_WB);
   t_.roll_squares += t_.roll_pitch_yaw.x() * t_.roll_pitch_yaw.x();
   t_.pitch_squares += t_.roll_pitch_yaw.y() * t_.roll_pitch_yaw.y();
-  t_.roll_pitch_yaw.z() = wrap(t_.roll_pitch_yaw.z() - t_.start_yaw);
+  t_.roll_pitch_yaw.z() = wrapped(t_.roll_pitch_yaw.z() - t_.start_yaw);
 }
 
 void MotionStatistics::add_path(const PhysicsBackend& world, double dt) noexcept {
@@ -155,10 +153,10 @@ void MotionStatistics::add_command(const PhysicsBackend& world, const ControlTar
     t_.strayed_path += (left * asked.vx - forward * asked.vy) / speed;
   }
   if (asked.yaw_rate != 0)
-    t_.achieved_turn += std::copysign(1.0, asked.yaw_rate) * wrap(t_.roll_pitch_yaw.z() - last_yaw);
+    t_.achieved_turn += std::copysign(1.0, asked.yaw_rate) * wrapped(t_.roll_pitch_yaw.z() - last_yaw);
   t_.commanded_yaw += asked.yaw_rate * targets.limit_factor * dt;
   t_.max_heading_error =
-      std::max(t_.max_heading_error.value_or(0), std::abs(wrap(t_.roll_pitch_yaw.z() - t_.commanded_yaw)));
+      std::max(t_.max_heading_error.value_or(0), std::abs(wrapped(t_.roll_pitch_yaw.z() - t_.commanded_yaw)));
   if (!targets.contact_schedule) return;
   for (const ScheduledLeg& leg : *targets.contact_schedule)
     t_.planned_sweep += leg.swing ? 0 : speed * targets.limit_factor * dt;
@@ -260,7 +258,7 @@ MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
   m.distance_m = c * moved.x() + sn * moved.y();
   m.lateral_m = -sn * moved.x() + c * moved.y();
   m.path_m = t_.path + (s.p_WB - t_.piece_start).head<2>().norm();
-  m.yaw_rad = wrap(crossgait::roll_pitch_yaw(s.q_WB).z() - t_.start_yaw);
+  m.yaw_rad = wrapped(crossgait::roll_pitch_yaw(s.q_WB).z() - t_.start_yaw);
   m.final_position_m = s.p_WB;
   m.simulated_seconds = t_.time;
   m.physics_steps = t_.physics_steps;

@@ -7,10 +7,9 @@ namespace crossgait {
 namespace {
 
 // Force (x, depth) in the leg's plane that drags the passive elbow of one chain along.
-Vector2 elbow_drag(const TwoLinkChain& chain, double elbow_sign, const Vector2& foot, const Vector2& velocity,
+Vector2 elbow_drag(const TwoLinkChain& chain, const ChainLinks& links, const Vector2& velocity,
                    const JointDrag& elbow) noexcept {
-  const ChainLinks links = place_links(chain, foot, elbow_sign);
-  const Vector2 r = foot - Vector2(chain.shoulder_x, 0);
+  const Vector2 r = links.upper + links.lower;
   // Near a straight or folded elbow its rate grows without bound; a twentieth of the largest value is far
   // beyond use.
   const double smallest = 0.05 * chain.upper * chain.lower;
@@ -21,7 +20,10 @@ Vector2 elbow_drag(const TwoLinkChain& chain, double elbow_sign, const Vector2& 
 
 }  // namespace
 
-double JointDrag::dry(double rate) const noexcept { return friction * rate / std::hypot(rate, slow); }
+double JointDrag::dry(double rate) const noexcept {
+  return friction * rate /
+         std::sqrt(rate * rate + slow * slow);  // hypot takes twice the time, for 1e150 rad/s
+}
 
 LegArray<double> load_shares(const LegArray<Vector3>& feet, double depth) noexcept {
   double lowest = feet[kLegs.front()].z(), sum = 0;
@@ -35,19 +37,17 @@ LegArray<double> load_shares(const LegArray<Vector3>& feet, double depth) noexce
   return shares;
 }
 
-Vector3 elbow_drag_force(const FiveBarGeometry& g, const Vector3& foot, WorkingMode mode,
-                         const Vector3& velocity, const JointDrag& elbow) noexcept {
+Vector3 elbow_drag_force(const FiveBarGeometry& g, const PlacedLeg& leg, const Vector3& velocity,
+                         const JointDrag& elbow) noexcept {
   // Depth in the leg's plane and its gradient along y and down: D^2 = Y^2 + Z^2 - a^2 (ik/tilt_mount.h).
-  const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down;
-  const double Y = g.side * (g.has_tilt ? foot.y() : 0) + a, Z = b - foot.z();
-  const double D = std::sqrt(std::max(Y * Y + Z * Z - a * a, 1e-8));
-  const double D_y = g.side * Y / D, D_down = Z / D;
-  const Vector2 in_plane(foot.x(), D - b);
+  double D_y = 0, D_down = 1;
+  if (g.has_tilt) {
+    const double a = g.axis_to_plane_out, D = std::max(leg.foot.y() + g.axis_to_shoulder_down, 1e-4);
+    D_y = g.side * (a * leg.c + D * leg.s) / D;
+    D_down = (D * leg.c - a * leg.s) / D;
+  }
   const Vector2 rate(velocity.x(), D_y * velocity.y() - D_down * velocity.z());
-
-  const ElbowSigns signs = elbow_signs(mode);
-  const Vector2 drag =
-      elbow_drag(g.a, signs.a, in_plane, rate, elbow) + elbow_drag(g.b, signs.b, in_plane, rate, elbow);
+  const Vector2 drag = elbow_drag(g.a, leg.a, rate, elbow) + elbow_drag(g.b, leg.b, rate, elbow);
   const Vector3 force(drag.x(), D_y * drag.y(), -D_down * drag.y());
   return force.allFinite() ? force : Vector3(Vector3::Zero());
 }

@@ -40,8 +40,8 @@ struct JointDrag {
 /// Returns the force (N, leg frame) with which a foot must push to overcome passive elbows' drag while it
 /// moves at `velocity` (m/s, leg frame). By virtual work, with the elbow's rate -r.p' / cross(upper, lower),
 /// r = foot - shoulder in the leg's plane, from differentiating the chain; the servos' torque for it is J' F.
-/// @param foot     position in the leg frame, m, within reach
-Vector3 elbow_drag_force(const FiveBarGeometry& geometry, const Vector3& foot, WorkingMode mode,
-                         const Vector3& velocity, const JointDrag& elbow) noexcept;
+/// @param leg  placed with its foot on the target
+Vector3 elbow_drag_force(const FiveBarGeometry& geometry, const PlacedLeg& leg, const Vector3& velocity,
+                         const JointDrag& elbow) noexcept;
 
 }  // namespace crossgait

@@ -43,6 +43,10 @@ inline Pose make_pose(const Quaternion& q, const Vector3& p) {
 
 /// Solves q = Rz(yaw) Ry(pitch) Rx(roll) for roll, pitch, yaw (rad): the Z-Y-X order of URDF and REP-103.
 Vector3 roll_pitch_yaw(const Quaternion& q);
+/// Returns the same angle in [-pi, pi], rad: std::remainder, which most angles need not be asked of.
+inline double wrapped(double angle) noexcept {
+  return std::abs(angle) <= M_PI ? angle : std::remainder(angle, 2 * M_PI);
+}
 /// Inverts `roll_pitch_yaw`.
 Quaternion from_roll_pitch_yaw(double roll, double pitch, double yaw);
 /// Turns a vector of the world into the frame of a heading `yaw` (rad): forward, to the left, up.

@@ -164,7 +164,7 @@ TEST(ElbowDrag, IsThePowerThatTheElbowsDissipate) {
   const double left = rate(before.elbow_left, after.elbow_left),
                right = rate(before.elbow_right, after.elbow_right);
   const Vector3 torque =
-      leg_jacobian(g, at).transpose() * elbow_drag_force(g, foot, kDefaultMode, velocity, {.damping = d});
+      leg_jacobian(g, at).transpose() * elbow_drag_force(g, place_leg(g, foot), velocity, {.damping = d});
   EXPECT_NEAR(torque.dot(rates), d * (left * left + right * right),
               1e-7);  // h^2 and rounding / h of the differences
 }
@@ -175,7 +175,7 @@ TEST(ElbowDrag, TakesDryFrictionByTheSignOfTheElbowsRates) {
   // Elbows turn at several rad/s: with a slowness of 1e-6 friction counts in full, and its power is friction
   // times the sum of their speeds, a damper's the sum of their squares.
   const auto power = [&](const JointDrag& elbow) {
-    return elbow_drag_force(g, foot, kDefaultMode, velocity, elbow).dot(velocity);
+    return elbow_drag_force(g, place_leg(g, foot), velocity, elbow).dot(velocity);
   };
   const double h = 1e-6;
   const LegAngles before = solve_leg(g, foot - h * velocity).angles,
