@@ -14,6 +14,17 @@
 
 namespace crossgait::bullet {
 
+/// Steps as btMultiBodyDynamicsWorld does, without predicting where bodies would go and which of them sleep:
+/// nothing here looks at it.
+class StepWorld final : public btMultiBodyDynamicsWorld {
+ public:
+  using btMultiBodyDynamicsWorld::btMultiBodyDynamicsWorld;
+
+ private:
+  void predictUnconstraintMotion(btScalar) override {}
+  void updateActivationState(btScalar) override {}
+};
+
 /// Holds the btMultiBodyDynamicsWorld with one robot and one terrain, set up so that nothing but physics is
 /// left in it.
 class CollisionWorld {
@@ -45,7 +56,7 @@ class CollisionWorld {
   TerrainCollisionFactory terrain_collision_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;
-  btMultiBodyDynamicsWorld world_;
+  StepWorld world_;
   std::vector<double> heights_;                 // Bullet keeps a pointer
   std::vector<contact::BodyFeature> features_;  // that Bullet is to find contacts of
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;

@@ -70,7 +70,8 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
   const DofVector after_dynamics = bullet_velocity();
   composite_.update(joints_.inertia());
   for (int i = 0; i < model_.body().getNumLinks(); ++i) angles_[i] = model_.body().getJointPos(i);
-  joints_.solve(before_, after_dynamics, angles_, torque_);
+  joints_.inertia().multiply_bare(after_dynamics - before_, impulse_);
+  joints_.solve(before_, impulse_, angles_, torque_);
   if (!joints_.velocity().allFinite()) {
     finite_ = false;
     set_velocity(DofVector::Zero(before_.size()));

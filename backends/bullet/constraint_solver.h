@@ -79,6 +79,7 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   bool pending_ = false, finite_ = true;
 
   DofVector before_;      // velocities before the step
+  DofVector impulse_;     // of Bullet's forward dynamics, M0 (v' - v)
   DofVector correction_;  // of the joint stage to Bullet's velocities
   JointVector torque_, angles_;
   std::span<const ImplicitServo> servos_;

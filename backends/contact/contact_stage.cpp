@@ -111,8 +111,7 @@ const DofVector& ContactStage::solve(const DofVector& before, const JointVector&
   } else if (rolling_) {
     solve_primal(*rolling_, before, points, servos);
   } else if (sweep_) {
-    joints_.scaled_loop_rows(loops_);
-    sweep_->begin(loops_);
+    sweep_->begin(joints_.row_count() > 0 ? &joints_.held_inertia() : nullptr);
     add_rows(*sweep_, before, points, servos);
     sweep();
     apply(*sweep_, points);
@@ -129,7 +128,7 @@ template <typename Primal>
 void ContactStage::solve_primal(Primal& problem, const DofVector& before, const ContactPoints& points,
                                 std::span<const ImplicitServo> servos) noexcept {
   joints_.scaled_loop_rows(loops_);
-  problem.begin(loops_);
+  problem.begin(joints_.loop_inertia(), loops_);
   add_rows(problem, before, points, servos);
   DofVector guess = before - velocity_;  // as if nothing were accelerated
   joints_.inertia().half_multiply(guess);
@@ -183,7 +182,7 @@ void ContactStage::add_rows(Problem& problem, const DofVector& before, const Con
     if constexpr (turns<Problem>) {
       add_turning_contact(problem, before, point, rows);
     } else {
-      joints_.inertia().half_solve_rows(point.body, J_);
+      joints_.inertia().half_solve_rows(dofs_of(point.body), J_);
       problem.add_contact(dofs_of(point.body), J_, rows.R, rows.b);
     }
   }
@@ -282,8 +281,8 @@ void ContactStage::add_turning_contact(PrimalProblemOf<kRows>& problem, const Do
     R[k] = rows.R[1] * share * share;
     b[k] = turning[k - 3] - contact_law_.target_velocity(turning_before[k - 3], rows.impedance, 0);
   }
-  joints_.inertia().half_solve_rows(point.body, J_);
-  joints_.inertia().half_solve_rows(point.body, turning_);
+  joints_.inertia().half_solve_rows(dofs_of(point.body), J_);
+  joints_.inertia().half_solve_rows(dofs_of(point.body), turning_);
   typename PrimalProblemOf<kRows>::RowsJacobian Z(kRows, J_.cols());
   for (const int dof : dofs_of(point.body)) {
     Z.col(dof).template head<3>() = J_.col(dof);

@@ -61,8 +61,9 @@ void JointSpaceInertia::finish_solve(DofVector& x) const noexcept {
   }
 }
 
-void JointSpaceInertia::half_solve_rows(int body, PointJacobian& J) const noexcept {
-  for (int i = last_dof(body); i >= 0; i = parent(i)) {
+void JointSpaceInertia::half_solve_rows(std::span<const int> dofs, PointJacobian& J) const noexcept {
+  for (auto dof = dofs.rbegin(); dof != dofs.rend(); ++dof) {
+    const int i = *dof;
     const Vector3 column = J.col(i);
     for (int j = parent(i); j >= 0; j = parent(j)) J.col(j) -= H(i, j) * column;
     J.col(i) = sqrt_inverse_d_[static_cast<std::size_t>(i)] * column;

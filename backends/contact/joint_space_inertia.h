@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "physics/robot/robot.h"
@@ -43,9 +44,9 @@ class JointSpaceInertia {
   void half_solve(Eigen::Ref<DofVector> x) const noexcept;
   /// Computes x <- L^-1 D^-1/2 x, which completes `half_solve` to M^-1.
   void finish_solve(DofVector& x) const noexcept;
-  /// Does `half_solve` of the three rows of a point of `body` at once: J <- J L^-1 D^-1/2, by the dofs alone
-  /// that move the body; the other columns are not looked at.
-  void half_solve_rows(int body, PointJacobian& J) const noexcept;
+  /// Does `half_solve` of three rows at once: J <- J L^-1 D^-1/2, of rows that are zero but in the columns
+  /// `dofs`; the others are not looked at. @param dofs  rising, and with each those that it hangs on
+  void half_solve_rows(std::span<const int> dofs, PointJacobian& J) const noexcept;
   /// Computes x <- D^1/2 L x: undoes `finish_solve`.
   void half_multiply(DofVector& x) const noexcept;
   /// Returns the last dof that moves a body: that of its joint; -1 for what nothing moves.

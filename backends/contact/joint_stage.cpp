@@ -1,6 +1,8 @@
 #include "backends/contact/joint_stage.h"
 
-#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
 
 #include "physics/core/error.h"
 #include "physics/robot/multibody.h"
@@ -11,7 +13,9 @@ JointStage::JointStage(const WorldSpec& spec, const BodyKinematics& bodies)
     : inertia_(*spec.robot, spec.fixed_base, spec.physics_dt),
       bodies_(bodies),
       law_(spec.robot->loop_softness, spec.physics_dt),
-      step_(spec.physics_dt) {
+      step_(spec.physics_dt),
+      loop_inertia_(0, {}),
+      held_inertia_(0, {}) {
   const std::vector<double> weights = translational_inverse_weights(*spec.robot, spec.fixed_base);
   for (const LoopClosure& loop : spec.robot->loops) {
     const auto a = static_cast<std::size_t>(loop.body_a), b = static_cast<std::size_t>(loop.body_b);
@@ -26,37 +30,38 @@ JointStage::JointStage(const WorldSpec& spec, const BodyKinematics& bodies)
     couplings_.push_back({coupling, SoftLaw(coupling.softness, spec.physics_dt),
                           joint_weights[coupling.follower] + joint_weights[coupling.leader]});
   }
-  const Eigen::Index rows = static_cast<Eigen::Index>(3 * loops_.size() + couplings_.size());
-  Y_.setZero(inertia_.dofs(), rows);
-  P_.setZero(rows, inertia_.dofs());
-  regularization_.setZero(rows);
-  rhs_.setZero(rows);
-  K_.setZero(rows, rows);
+  const PointJacobian none = PointJacobian::Zero(3, inertia_.dofs());
+  for (const LoopPoints& loop : loops_) rows_.push_back({dofs_of_both(loop.body_a, loop.body_b), none});
+  for (const auto& [coupling, law, inverse_weight] : couplings_)
+    rows_.push_back({dofs_of_both(coupling.leader + 1, coupling.follower + 1), none});
+  loop_inertia_ = held_inertia_ = SparseSymmetric(inertia_.dofs(), coupled_dofs());
+  loop_inertia_.set_identity();
 }
 
-void JointStage::solve(const DofVector& before, const DofVector& free, const JointVector& angles,
+void JointStage::solve(const DofVector& before, const DofVector& impulse, const JointVector& angles,
                        const JointVector& torque) noexcept {
-  solve_smooth(before, free, torque);
+  solve_smooth(before, impulse, torque);
   if (row_count() == 0) return;
 
   assemble_loops(before);
   assemble_couplings(before, angles);
-  K_.noalias() = Y_.transpose() * Y_;
-  K_.diagonal() += regularization_;
-  Eigen::LLT<Eigen::Ref<LoopMatrix>> cholesky(K_);
-  P_ = Y_.transpose();
-  cholesky.matrixL().solveInPlace(P_);
-  cholesky.solveInPlace(rhs_);
-  work_.noalias() = Y_ * rhs_;
+  loop_inertia_.set_identity();
+  work_.setZero(inertia_.dofs());
+  for (const Rows& rows : rows_) {
+    loop_inertia_.add_products(rows.dofs, rows.E);
+    for (const int dof : rows.dofs) work_[dof] += rows.E.col(dof).dot(rows.wanted);
+  }
+  held_inertia_.copy_values(loop_inertia_);
+  held_inertia_.factor();
+  held_inertia_.solve(work_);
   inertia_.finish_solve(work_);
   velocity_ += work_;
 }
 
-// (M0 + A)(v' - v) = M0 (v_free - v) + h tau: the engine's forward dynamics knows nothing of the armature A.
-void JointStage::solve_smooth(const DofVector& before, const DofVector& free,
+// (M0 + A)(v' - v) = M0 (v_free - v) + h tau: the engine's dynamics knows nothing of the armature A.
+void JointStage::solve_smooth(const DofVector& before, const DofVector& impulse,
                               const JointVector& torque) noexcept {
-  work_ = free - before;
-  inertia_.multiply_bare(work_, velocity_);
+  velocity_ = impulse;
   velocity_.tail(torque.size()) += step_ * torque;
   inertia_.half_solve(velocity_);
   inertia_.finish_solve(velocity_);
@@ -66,22 +71,23 @@ void JointStage::solve_smooth(const DofVector& before, const DofVector& free,
 void JointStage::assemble_loops(const DofVector& before) noexcept {
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const LoopPoints& loop = loops_[i];
+    Rows& rows = rows_[i];
     const Vector3 a = bodies_.point(loop.body_a, loop.p_A);
     const Vector3 b = bodies_.point(loop.body_b, loop.p_B);
-    bodies_.point_jacobian(loop.body_a, a, J_a_);
+    bodies_.point_jacobian(loop.body_a, a, rows.E);
     bodies_.point_jacobian(loop.body_b, b, J_b_);
-    J_a_ -= J_b_;
+    Vector3 was = Vector3::Zero(), is = Vector3::Zero();  // m/s, of the gap
+    for (const int dof : rows.dofs) {
+      rows.E.col(dof) -= J_b_.col(dof);
+      was += before[dof] * rows.E.col(dof);
+      is += velocity_[dof] * rows.E.col(dof);
+    }
     const Vector3 gap = a - b;
     const double imp = law_.impedance(gap.norm());  // MuJoCo takes the norm of the gap for all three rows
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Index row = 3 * static_cast<Eigen::Index>(i) + k;
-      const double target = law_.target_velocity(J_a_.row(k).dot(before), imp, gap[k]);
-      rhs_[row] = target - J_a_.row(k).dot(velocity_);
-      regularization_[row] = SoftLaw::regularization(imp, loop.inverse_weight);
-      work_ = J_a_.row(k).transpose();
-      inertia_.half_solve(work_);
-      Y_.col(row) = work_;
-    }
+    const double scale = 1 / std::sqrt(SoftLaw::regularization(imp, loop.inverse_weight));
+    for (int k = 0; k < 3; ++k) rows.wanted[k] = scale * (law_.target_velocity(was[k], imp, gap[k]) - is[k]);
+    inertia_.half_solve_rows(rows.dofs, rows.E);
+    for (const int dof : rows.dofs) rows.E.col(dof) *= scale;
   }
 }
 
@@ -89,46 +95,49 @@ void JointStage::assemble_loops(const DofVector& before) noexcept {
 void JointStage::assemble_couplings(const DofVector& before, const JointVector& angles) noexcept {
   for (std::size_t i = 0; i < couplings_.size(); ++i) {
     const auto& [coupling, law, inverse_weight] = couplings_[i];
-    const Eigen::Index row = static_cast<Eigen::Index>(3 * loops_.size() + i);
+    Rows& rows = rows_[loops_.size() + i];
     const double leader = angles[coupling.leader], slope = coupling.slope_at(leader);
     const double violation = angles[coupling.follower] - coupling.follower_at(leader);
     const Eigen::Index to = 6 + coupling.follower, from = 6 + coupling.leader;
     const double imp = law.impedance(violation);
+    const double scale = 1 / std::sqrt(SoftLaw::regularization(imp, inverse_weight));
     const double target = law.target_velocity(before[to] - slope * before[from], imp, violation);
-    rhs_[row] = target - (velocity_[to] - slope * velocity_[from]);
-    regularization_[row] = SoftLaw::regularization(imp, inverse_weight);
-    work_.setZero();
-    work_[to] = 1;
-    work_[from] = -slope;
-    inertia_.half_solve(work_);
-    Y_.col(row) = work_;
+    rows.wanted[0] = scale * (target - (velocity_[to] - slope * velocity_[from]));
+    for (const int dof : rows.dofs) rows.E.col(dof).setZero();
+    rows.E(0, to) = scale;
+    rows.E(0, from) = -scale * slope;
+    inertia_.half_solve_rows(rows.dofs, rows.E);
   }
 }
 
+// (R + Y'Y)^-1 of the loops' own rows, Y = half_solve(J'), taken to the dofs: 1 - Y (R + Y'Y)^-1 Y' is the
+// inverse of 1 + E E'.
+// NOLINTNEXTLINE(performance-unnecessary-value-param): a reference
 void JointStage::project(Eigen::Ref<DofVector> y) const noexcept {
-  if (row_count() == 0) return;
-  LoopVector response(P_.rows());
-  response.noalias() = P_ * y;
-  y.noalias() -= P_.transpose() * response;
+  if (row_count() > 0) held_inertia_.solve(y);
 }
 
 void JointStage::scaled_loop_rows(Eigen::MatrixXd& E) const noexcept {
-  E.noalias() = Y_ * regularization_.cwiseSqrt().cwiseInverse().asDiagonal();
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const bool is_loop = i < loops_.size();
+    const auto first = static_cast<Eigen::Index>(is_loop ? 3 * i : 2 * loops_.size() + i);
+    for (const int dof : rows_[i].dofs) {
+      for (int k = 0; k < (is_loop ? 3 : 1); ++k) E(dof, first + k) = rows_[i].E(k, dof);
+    }
+  }
+}
+
+std::vector<int> JointStage::dofs_of_both(int body_a, int body_b) const {
+  const std::vector<int> a = inertia_.dofs_of(body_a), b = inertia_.dofs_of(body_b);
+  std::vector<int> both;
+  std::ranges::set_union(a, b, std::back_inserter(both));
+  return both;
 }
 
 std::vector<std::vector<int>> JointStage::coupled_dofs() const {
   std::vector<std::vector<int>> sets;
   for (int body = 0; body <= inertia_.dofs() - 6; ++body) sets.push_back(inertia_.dofs_of(body));
-  for (const LoopPoints& loop : loops_) {
-    sets.push_back(inertia_.dofs_of(loop.body_a));
-    const std::vector<int> other = inertia_.dofs_of(loop.body_b);
-    sets.back().insert(sets.back().end(), other.begin(), other.end());
-  }
-  for (const CoupledJoints& joints : couplings_) {
-    sets.push_back(inertia_.dofs_of(joints.coupling.leader + 1));
-    const std::vector<int> other = inertia_.dofs_of(joints.coupling.follower + 1);
-    sets.back().insert(sets.back().end(), other.begin(), other.end());
-  }
+  for (const Rows& rows : rows_) sets.push_back(rows.dofs);
   return sets;
 }
 

@@ -5,15 +5,18 @@
 #include <vector>
 
 #include "backends/contact/body_kinematics.h"
+#include "backends/contact/sparse_symmetric.h"
 #include "physics/engine/soft_law.h"
 #include "physics/engine/world_spec.h"
 
 namespace crossgait::contact {
 
 /// Sweeps converge badly here (armature is sixty times a link's inertia), so the joint rows and the loops are
-/// eliminated by one Cholesky factorisation, whatever the law of contact. Contacts then see the robot through
-/// `project`: the inverse inertia of a machine whose loops hold. A coupling of two joints is a row like those
-/// of loops, in joint angles.
+/// eliminated by one factorisation, whatever the law of contact. With the rows J of loops, their
+/// regularisation R and E = half_solve(J') R^-1/2, the inertia of a machine whose loops hold is 1 + E E', in
+/// units in which without them it is the identity (Woodbury's identity). It has the pattern of the tree and
+/// its loops, and contacts see the robot through it. A coupling of two joints is a row like those of loops,
+/// in joint angles.
 class JointStage {
  public:
   /// @param spec,bodies  must outlive it
@@ -23,12 +26,11 @@ class JointStage {
   JointSpaceInertia& inertia() noexcept { return inertia_; }
   const JointSpaceInertia& inertia() const noexcept { return inertia_; }
 
-  /// @param before  velocities before the step
-  /// @param free    velocities after the engine's own forward dynamics (gravity, gyroscopic and applied
-  /// forces; M0)
-  /// @param angles  of the joints before the step, rad
-  /// @param torque  joint torques, N m
-  void solve(const DofVector& before, const DofVector& free, const JointVector& angles,
+  /// @param before   velocities before the step
+  /// @param impulse  M0 (v' - v) by the engine's own dynamics (gravity, gyroscopic and applied forces)
+  /// @param angles   of the joints before the step, rad
+  /// @param torque   joint torques, N m
+  void solve(const DofVector& before, const DofVector& impulse, const JointVector& angles,
              const JointVector& torque) noexcept;
 
   /// Returns velocities after torques, armature, loops and couplings, before contact.
@@ -39,9 +41,13 @@ class JointStage {
   void project(Eigen::Ref<DofVector> y) const noexcept;
 
   /// Counts the rows of loops, three each, and of couplings.
-  Eigen::Index row_count() const noexcept { return rhs_.size(); }
-  /// Computes E = half_solve(J') of these rows over the root of their regularisation, dofs x rows: the
-  /// inverse of what `project` does is 1 + E E'.
+  Eigen::Index row_count() const noexcept {
+    return static_cast<Eigen::Index>(3 * loops_.size() + couplings_.size());
+  }
+  /// Returns 1 + E E', as it is and factored.
+  const SparseSymmetric& loop_inertia() const noexcept { return loop_inertia_; }
+  const SparseSymmetric& held_inertia() const noexcept { return held_inertia_; }
+  /// Writes E, dofs x rows.
   void scaled_loop_rows(Eigen::MatrixXd& E) const noexcept;
   /// Lists sets of dofs that act on one another: of each body those that move it, and both ends of each loop
   /// and of each coupling.
@@ -49,9 +55,14 @@ class JointStage {
 
  private:
   static constexpr int kMaxLoops = 16;
-  static constexpr int kMaxRows = 3 * kMaxLoops + kMaxJoints;
-  using LoopMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxRows, kMaxRows>;
-  using LoopVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1>;
+
+  // Rows of E, and what they have to change, over the root of the regularisation. A coupling has one of
+  // three.
+  struct Rows {
+    std::vector<int> dofs;  // that they act on, rising
+    PointJacobian E;        // 3 x dofs: of these columns alone
+    Vector3 wanted = Vector3::Zero();
+  };
 
   struct LoopPoints {
     int body_a, body_b;
@@ -65,9 +76,10 @@ class JointStage {
     double inverse_weight;  // 1/(kg m^2), sum over both joints
   };
 
-  void solve_smooth(const DofVector& before, const DofVector& free, const JointVector& torque) noexcept;
+  void solve_smooth(const DofVector& before, const DofVector& impulse, const JointVector& torque) noexcept;
   void assemble_loops(const DofVector& before) noexcept;
   void assemble_couplings(const DofVector& before, const JointVector& angles) noexcept;
+  std::vector<int> dofs_of_both(int body_a, int body_b) const;
 
   JointSpaceInertia inertia_;
   const BodyKinematics& bodies_;
@@ -77,11 +89,9 @@ class JointStage {
   double step_;
 
   DofVector velocity_, work_;
-  PointJacobian J_a_, J_b_;
-  Eigen::MatrixXd Y_;  // dofs x rows: half_solve(J')
-  Eigen::MatrixXd P_;  // rows x dofs: L_K^-1 Y', where L_K L_K' = Y'Y + R
-  LoopVector regularization_, rhs_;
-  LoopMatrix K_;
+  PointJacobian J_b_;
+  std::vector<Rows> rows_;  // of loops, then of couplings
+  SparseSymmetric loop_inertia_, held_inertia_;
 };
 
 }  // namespace crossgait::contact

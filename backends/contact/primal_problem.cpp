@@ -11,8 +11,7 @@ PrimalProblemOf<kRows>::PrimalProblemOf(int dofs, const std::vector<std::vector<
                                         double friction)
     : friction_(friction),
       Z_(kRows, (kMaxContacts + kMaxBoundedRows) * dofs),
-      constant_(dofs, coupled),
-      hessian_(constant_),
+      hessian_(dofs, coupled),
       u_(DofVector::Zero(dofs)),
       gradient_(DofVector::Zero(dofs)),
       d_(DofVector::Zero(dofs)) {
@@ -21,11 +20,10 @@ PrimalProblemOf<kRows>::PrimalProblemOf(int dofs, const std::vector<std::vector<
 }
 
 template <int kRows>
-void PrimalProblemOf<kRows>::begin(const Eigen::MatrixXd& loops) noexcept {
+void PrimalProblemOf<kRows>::begin(const SparseSymmetric& inertia, const Eigen::MatrixXd& loops) noexcept {
   columns_ = contact_count_ = bounded_count_ = 0;
+  constant_ = &inertia;
   loops_ = &loops;
-  constant_.set_identity();
-  constant_.add_products(loops);
 }
 
 template <int kRows>
@@ -165,7 +163,7 @@ void PrimalProblemOf<kRows>::find_gradient() noexcept {
 
 template <int kRows>
 void PrimalProblemOf<kRows>::find_hessian() noexcept {
-  hessian_.copy_values(constant_);
+  hessian_.copy_values(*constant_);
   for (int i = 0; i < contact_count_; ++i) {
     const Contact& contact = contacts_[static_cast<std::size_t>(i)];
     if (contact.zone == Zone::kApart) continue;

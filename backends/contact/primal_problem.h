@@ -35,8 +35,10 @@ class PrimalProblemOf {
   /// @param coupled  sets of dofs: those of the rows that will be added, and of the loops
   PrimalProblemOf(int dofs, const std::vector<std::vector<int>>& coupled, double friction);
 
-  /// Begins without any row. @param loops  E: dofs x rows
-  void begin(const Eigen::MatrixXd& loops) noexcept;
+  /// Begins without any row. @param inertia  1 + E E', of the pattern of `coupled`
+  /// @param loops                            E: dofs x rows. Both have to stay as they are until `solve` is
+  /// done
+  void begin(const SparseSymmetric& inertia, const Eigen::MatrixXd& loops) noexcept;
   /// Adds a contact, up to kMaxContacts.
   /// @param dofs  that it moves, rising; has to stay as it is until `solve` is done
   /// @param Z     kRows x dofs, of which those columns alone are read
@@ -103,7 +105,8 @@ class PrimalProblemOf {
       Z_;  // of all rows, one after the other; of a bounded one the first row
   const Eigen::MatrixXd* loops_ = nullptr;
   Eigen::VectorXd loops_u_, loops_d_;  // E'u, E'd
-  SparseSymmetric constant_, hessian_;
+  const SparseSymmetric* constant_ = nullptr;
+  SparseSymmetric hessian_;
   DofVector u_, gradient_, d_;
   Slope line_{};  // along d_ of what is not rows
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
-#include <span>
 
 namespace crossgait::contact {
 
@@ -43,14 +42,11 @@ void SparseSymmetric::copy_values(const SparseSymmetric& other) noexcept {
   }
 }
 
-void SparseSymmetric::add_products(const Eigen::MatrixXd& E) noexcept {
-  for (int k = 0; k < size_; ++k) {
-    const Row& row = rows_[static_cast<std::size_t>(k)];
-    at(k, k) += E.row(k).squaredNorm();
-    for (int n = 0; n < row.count; ++n) {
-      const int j = row.columns[static_cast<std::size_t>(n)];
-      at(k, j) += E.row(k).dot(E.row(j));
-    }
+void SparseSymmetric::add_products(std::span<const int> dofs, const PointJacobian& E) noexcept {
+  for (std::size_t r = 0; r < dofs.size(); ++r) {
+    const Vector3 row = E.col(dofs[r]);
+    double* own = &values_[static_cast<std::size_t>(dofs[r] * kMaxDofs)];
+    for (std::size_t c = 0; c <= r; ++c) own[dofs[c]] += row.dot(E.col(dofs[c]));
   }
 }
 
@@ -72,7 +68,7 @@ void SparseSymmetric::factor() noexcept {
   }
 }
 
-void SparseSymmetric::solve(DofVector& x) const noexcept {
+void SparseSymmetric::solve(Eigen::Ref<DofVector> x) const noexcept {
   for (int k = size_ - 1; k >= 0; --k) {
     const Row& row = rows_[static_cast<std::size_t>(k)];
     for (int n = 0; n < row.count; ++n) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "backends/contact/joint_space_inertia.h"
@@ -21,8 +22,10 @@ class SparseSymmetric {
   void set_identity() noexcept;
   /// Copies a matrix of the same size and pattern.
   void copy_values(const SparseSymmetric& other) noexcept;
-  /// Adds E E', whose entries lie within the pattern. @param E  size x any
-  void add_products(const Eigen::MatrixXd& E) noexcept;
+  /// Adds E' E, whose entries lie within the pattern. @param E  3 x size, of which the columns `dofs`
+  /// (rising)
+  ///                                                            alone are read
+  void add_products(std::span<const int> dofs, const PointJacobian& E) noexcept;
   /// Returns an entry, row >= column.
   double& at(int row, int column) noexcept {
     return values_[static_cast<std::size_t>(row * kMaxDofs + column)];
@@ -30,7 +33,7 @@ class SparseSymmetric {
   /// Factors in place: `set_identity` or `copy_values` begins anew.
   void factor() noexcept;
   /// Solves x <- A^-1 x, after `factor`.
-  void solve(DofVector& x) const noexcept;
+  void solve(Eigen::Ref<DofVector> x) const noexcept;
 
   /// Lists the dofs that `half_solve_rows` reaches from these, rising.
   std::vector<int> reach(const std::vector<int>& dofs) const;

@@ -9,25 +9,21 @@ SweepProblem::SweepProblem(int dofs, const std::vector<std::vector<int>>& couple
                            double mixing)
     : friction_(friction),
       mixing_(mixing),
-      loops_(dofs, coupled),
       reach_(static_cast<std::size_t>(dofs)),
       row_(3, dofs),
       Z_(3, (kMaxContacts + kMaxBoundedRows) * dofs),
       w_(DofVector::Zero(dofs)),
       u_(DofVector::Zero(dofs)) {
+  const SparseSymmetric pattern(dofs, coupled);
   for (const std::vector<int>& set : coupled) {
-    if (set.empty() || !std::is_sorted(set.begin(), set.end())) continue;  // of a loop, not of a body
-    reach_[static_cast<std::size_t>(set.back())] = loops_.reach(set);
+    // Those of bodies come first: a loop is no row's.
+    if (!set.empty() && reach(set).empty()) reach_[static_cast<std::size_t>(set.back())] = pattern.reach(set);
   }
 }
 
-void SweepProblem::begin(const Eigen::MatrixXd& loops) noexcept {
+void SweepProblem::begin(const SparseSymmetric* held) noexcept {
   columns_ = contact_count_ = bounded_count_ = 0;
-  has_loops_ = loops.cols() > 0;
-  if (!has_loops_) return;
-  loops_.set_identity();
-  loops_.add_products(loops);
-  loops_.factor();
+  held_ = held;
 }
 
 const std::vector<int>& SweepProblem::reach(std::span<const int> dofs) const noexcept {
@@ -44,7 +40,7 @@ void SweepProblem::add_contact(std::span<const int> dofs, const PointJacobian& Z
   contact.x.setZero();
   for (const int dof : *contact.dofs) row_.col(dof).setZero();
   for (const int dof : dofs) row_.col(dof) = Z.col(dof);
-  if (has_loops_) loops_.half_solve_rows(*contact.dofs, row_);
+  if (held_ != nullptr) held_->half_solve_rows(*contact.dofs, row_);
   Vector3 A = R;
   for (const int dof : *contact.dofs) {
     A += row_.col(dof).cwiseAbs2();
@@ -65,7 +61,7 @@ void SweepProblem::add_bounded(std::span<const int> dofs, const DofVector& z, do
   row = {&reach(dofs), columns_, R, b, bounds, 0, 0};
   for (const int dof : *row.dofs) row_.col(dof).setZero();
   for (const int dof : dofs) row_(0, dof) = z[dof];
-  if (has_loops_) loops_.half_solve_rows(*row.dofs, row_);
+  if (held_ != nullptr) held_->half_solve_rows(*row.dofs, row_);
   double A = R;
   for (const int dof : *row.dofs) {
     A += row_(0, dof) * row_(0, dof);
@@ -152,7 +148,7 @@ SweepProblem::Change SweepProblem::sweep_once(bool bounded_forward) noexcept {
 
 void SweepProblem::finish() noexcept {
   u_ = w_;
-  if (has_loops_) loops_.finish_solve(u_);
+  if (held_ != nullptr) held_->finish_solve(u_);
 }
 
 int SweepProblem::sweep(int max_sweeps, double enough) noexcept {
@@ -167,13 +163,53 @@ int SweepProblem::sweep(int max_sweeps, double enough) noexcept {
   return count;
 }
 
+// Whether no contact slips; gathers what is then linear.
+bool SweepProblem::gather_sticking(double& largest) noexcept {
+  constexpr double kInside =
+      1 - 1e-9;  // of the cone: a slipping contact's tangents are on its edge to rounding
+  sticking_.clear();
+  largest = 0;
+  const auto velocity = [this](const std::vector<int>& dofs, int first, int lane) {
+    double v = 0;
+    for (const int dof : dofs) v += Z_(lane, first++) * w_[dof];
+    return v;
+  };
+  for (int i = 0; i < bounded_count_; ++i) {
+    Bounded& row = bounded_[static_cast<std::size_t>(i)];
+    largest = std::max(largest, std::abs(row.x));
+    if (row.x <= row.bounds.lower || row.x >= row.bounds.upper) continue;
+    sticking_.add(row.x, *row.dofs, row.first, 0, row.R, row.step,
+                  -(row.b + row.R * row.x + velocity(*row.dofs, row.first, 0)));
+  }
+  for (int i = 0; i < contact_count_; ++i) {
+    Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    if (contact.x[0] == 0) continue;
+    if (friction_ > 0 && contact.x.tail<2>().norm() >= kInside * friction_ * contact.x[0]) return false;
+    largest = std::max(largest, contact.x[0]);
+    for (int k = 0; k < (friction_ > 0 ? 3 : 1); ++k) {
+      sticking_.add(
+          contact.x[k], *contact.dofs, contact.first, k, contact.R[k],
+          k == 0 ? contact.normal_step : contact.tangent_step,
+          -(contact.b[k] + contact.R[k] * contact.x[k] + velocity(*contact.dofs, contact.first, k)));
+    }
+  }
+  return true;
+}
+
 int SweepProblem::converge(int max_sweeps, double share) noexcept {
+  constexpr int kFirst = 4, kTimes = 4;  // sweeps until which are pushing has shown; then ever more rarely
+  constexpr int kSteps = 2;              // for each dof: without rounding one would do
   w_.setZero();
-  int count = 0;
+  int count = 0, next = kFirst;
   while (count < max_sweeps) {
     const Change change = sweep_once(true);
     ++count;
     if (change.impulse <= share * change.largest) break;
+    if (count < next) continue;
+    next = kTimes * count;
+    double largest = 0;
+    const int most = std::min(max_sweeps - count, kSteps * static_cast<int>(w_.size()));
+    if (gather_sticking(largest)) count += sticking_.solve(Z_, w_, most, share * largest);
   }
   finish();
   return count;

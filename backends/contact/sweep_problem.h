@@ -8,6 +8,7 @@
 
 #include "backends/contact/impulse_bounds.h"
 #include "backends/contact/sparse_symmetric.h"
+#include "backends/contact/sticking_rows.h"
 #include "physics/robot/state.h"
 
 namespace crossgait::contact {
@@ -26,8 +27,9 @@ class SweepProblem {
   /// @param mixing   as in DualProblem
   SweepProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction, double mixing);
 
-  /// Begins to be filled in like PrimalProblem, R >= 0.
-  void begin(const Eigen::MatrixXd& loops) noexcept;
+  /// Begins to be filled in like PrimalProblem, R >= 0. @param held  1 + E E', factored, of the pattern of
+  ///          `coupled`; nullptr without loops. It has to stay as it is until the sweeps are done
+  void begin(const SparseSymmetric* held) noexcept;
   void add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
                    const Vector3& b) noexcept;
   void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
@@ -37,7 +39,9 @@ class SweepProblem {
   /// m/s or rad/s (of two tangents the sum, signs and all: so it is in Bullet), or `max_sweeps` are done.
   /// @returns sweeps
   int sweep(int max_sweeps, double enough) noexcept;
-  /// Sweeps until no impulse changes by more than this share of the largest. @returns sweeps
+  /// Sweeps until no impulse changes by more than this share of the largest. As long as nothing slips, the
+  /// rows that push are a linear problem, which StickingRows solves; the sweep that follows tells whether
+  /// that is the solution. @returns sweeps, those steps included
   int converge(int max_sweeps, double share) noexcept;
 
   /// Returns velocities as in PrimalProblem.
@@ -68,18 +72,19 @@ class SweepProblem {
   void sweep_bounded(bool forward, Change& change) noexcept;
   void sweep_normals(Change& change) noexcept;
   void sweep_tangents(Change& change) noexcept;
+  bool gather_sticking(double& largest) noexcept;
   void finish() noexcept;
 
   double friction_, mixing_;
   int columns_ = 0, contact_count_ = 0, bounded_count_ = 0;
   std::array<Contact, kMaxContacts> contacts_;
   std::array<Bounded, kMaxBoundedRows> bounded_;
-  bool has_loops_ = false;
-  SparseSymmetric loops_;                // 1 + E E', factored
+  const SparseSymmetric* held_ = nullptr;
   std::vector<std::vector<int>> reach_;  // by the last dof of a row's
   PointJacobian row_;
   Eigen::Matrix3Xd Z_;
   DofVector w_, u_;
+  StickingRows sticking_;
 };
 
 }  // namespace crossgait::contact

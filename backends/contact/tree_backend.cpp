@@ -92,10 +92,9 @@ StepStatus TreeBackend::do_step(const JointVector& tau, const Wrench& base) noex
   }
   const double h = spec().physics_dt;
   contacts_.begin_step();
-  free_ = v_;
-  dynamics_->free_velocity(h, base, free_);
   dynamics_->bare_inertia(joints_.inertia());
-  joints_.solve(v_, free_, q_, tau);
+  dynamics_->free_impulse(h, base, joints_.inertia(), v_, free_impulse_);
+  joints_.solve(v_, free_impulse_, q_, tau);
   if (!joints_.velocity().allFinite()) return StepStatus::kDiverged;
   points_.clear();
   finder_.find(bodies_, points_);

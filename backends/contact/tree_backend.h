@@ -12,7 +12,7 @@
 
 namespace crossgait::contact {
 
-/// Steps a robot: forward dynamics, inertia and Jacobians are an engine's, and what joins, stops and touches
+/// Steps a robot: dynamics, inertia and Jacobians are an engine's, and what joins, stops and touches
 /// is the joint stage's and the contact stage's. The state is kept here, in float64.
 class TreeBackend : public PhysicsBackend {
  public:
@@ -57,7 +57,7 @@ class TreeBackend : public PhysicsBackend {
   Vector3 p_WC_ = Vector3::Zero();
   Quaternion q_WB_ = Quaternion::Identity();
   JointVector q_;
-  DofVector v_, free_;  // TreeDynamics' degrees of freedom
+  DofVector v_, free_impulse_;  // TreeDynamics' degrees of freedom
 };
 
 /// Writes what a law says of an engine: laws, capabilities, parts of Crossgait's, and a mode in which

@@ -15,7 +15,7 @@ inline std::vector<Pose> tree_frames(const RobotDescription& robot) {
   return X_BC;
 }
 
-/// Is asked for forward dynamics, inertia, Jacobians and poses of a robot; armature, joint torques, loops,
+/// Is asked for dynamics, inertia, Jacobians and poses of a robot; armature, joint torques, loops,
 /// contacts and integration are TreeBackend's. Bodies are RobotDescription's, and frame C of a body has its
 /// own axes: at its origin, but of the base at its centre of mass, since only about that do linear and
 /// angular momentum decouple. Degrees of freedom are [w_W, v_W of the base's centre of mass, joint
@@ -32,12 +32,14 @@ class TreeDynamics {
   virtual void renew() {}
   /// Takes a state: all that is asked below is in it. @param X_WC  of the base  @param v  velocities
   virtual void place(const Pose& X_WC, const JointVector& q, const DofVector& v) noexcept = 0;
-  /// Computes velocities after a step of `h` seconds of gravity, gyroscopic forces and a wrench on the base
-  /// (its force at the centre of mass), without joint torques, armature, loops or contact.
-  /// @param v  those of the state before
-  virtual void free_velocity(double h, const Wrench& base, DofVector& v) noexcept = 0;
   /// Computes M0, without armature, and has it factored.
   virtual void bare_inertia(JointSpaceInertia& inertia) noexcept = 0;
+  /// Computes p = M0 (v' - v), v' being velocities after a step of `h` seconds of gravity, gyroscopic forces
+  /// and a wrench on the base (its force at the centre of mass), without joint torques, armature, loops or
+  /// contact.
+  /// @param inertia  what `bare_inertia` made in this state  @param v  velocities in it
+  virtual void free_impulse(double h, const Wrench& base, const JointSpaceInertia& inertia,
+                            const DofVector& v, DofVector& p) noexcept = 0;
   /// Computes 3 x dofs: velocity in W of the point of `body` at p_WP per unit of each dof.
   virtual void point_jacobian(int body, const Vector3& p_WP, PointJacobian& J) const noexcept = 0;
 

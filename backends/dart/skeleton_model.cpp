@@ -80,19 +80,21 @@ void SkeletonModel::place(const Pose& X_WC, const JointVector& q, const contact:
   skeleton_->setVelocities(velocities_);
 }
 
-void SkeletonModel::free_velocity(double h, const Wrench& base, contact::DofVector& v) noexcept {
-  nodes_.front()->setExtForce(base.force, Vector3::Zero(), false, true);
-  nodes_.front()->setExtTorque(base.torque, false);
-  skeleton_->computeForwardDynamics();
-  nodes_.front()->clearExternalForces();
-  const Eigen::VectorXd a = skeleton_->getAccelerations();
+// By the forces that accelerations of zero would take. In the base's axes, which turn by w, those are of the
+// velocity u of its centre of mass a change of w x u in W.
+void SkeletonModel::free_impulse(double h, const Wrench& base, const contact::JointSpaceInertia& inertia,
+                                 const contact::DofVector& v, contact::DofVector& p) noexcept {
+  const Eigen::VectorXd& bias = skeleton_->getCoriolisAndGravityForces();
+  const Eigen::Index joints = v.size() - 6;
+  p.setZero(v.size());
   if (base_ != nullptr) {
-    // In the base's axes, which turn by w: the change of v in W is R (a + w x v).
-    const Vector3 w = velocities_.head<3>(), u = velocities_.segment<3>(3);
-    v.head<3>() += h * (R_WB_ * a.head<3>());
-    v.segment<3>(3) += h * (R_WB_ * (Vector3(a.segment<3>(3)) + w.cross(u)));
+    contact::DofVector turn = contact::DofVector::Zero(v.size());
+    turn.segment<3>(3) = h * Vector3(v.head<3>()).cross(Vector3(v.segment<3>(3)));
+    inertia.multiply_bare(turn, p);
+    p.head<3>() += h * (base.torque - R_WB_ * bias.head<3>());
+    p.segment<3>(3) += h * (base.force - R_WB_ * bias.segment<3>(3));
   }
-  v.tail(v.size() - 6) += h * a.tail(v.size() - 6);
+  p.tail(joints) -= h * bias.tail(joints);
 }
 
 void SkeletonModel::bare_inertia(contact::JointSpaceInertia& inertia) noexcept {

@@ -30,9 +30,9 @@ class BaseJoint final : public ::dart::dynamics::FreeJoint {
   Pose X_WC_ = Pose::Identity();
 };
 
-/// Leaves configuration and velocities to the caller: DART integrates nothing. Its own are forward dynamics
-/// (Featherstone's articulated bodies), inertias, Jacobians and poses; M0 is the sum of J' I J over its
-/// bodies.
+/// Leaves configuration and velocities to the caller: DART integrates nothing. Its own are forces of gravity
+/// and motion (recursive Newton-Euler), inertias, Jacobians and poses; M0 is the sum of J' I J over its
+/// bodies. Forward dynamics by articulated bodies would take half of a step, and be multiplied by M0 again.
 ///
 /// DART's free joint has its velocities in the axes of the base, which turn.
 class SkeletonModel final : public contact::TreeDynamics {
@@ -40,7 +40,8 @@ class SkeletonModel final : public contact::TreeDynamics {
   explicit SkeletonModel(const WorldSpec& spec);
 
   void place(const Pose& X_WC, const JointVector& q, const contact::DofVector& v) noexcept override;
-  void free_velocity(double h, const Wrench& base, contact::DofVector& v) noexcept override;
+  void free_impulse(double h, const Wrench& base, const contact::JointSpaceInertia& inertia,
+                    const contact::DofVector& v, contact::DofVector& p) noexcept override;
   void bare_inertia(contact::JointSpaceInertia& inertia) noexcept override;
   void point_jacobian(int body, const Vector3& p_WP, contact::PointJacobian& J) const noexcept override;
 

@@ -127,21 +127,24 @@ void TreeModel::read_jacobians() noexcept {
   }
 }
 
-void TreeModel::free_velocity(double h, const Wrench& base, contact::DofVector& v) noexcept {
+void TreeModel::free_impulse(double h, const Wrench& base, const contact::JointSpaceInertia& inertia,
+                             const contact::DofVector& v, contact::DofVector& p) noexcept {
   using Flag = px::PxArticulationCacheFlag;
   if (!base.force.isZero()) links_.front()->addForce(vector(base.force));
   if (!base.torque.isZero()) links_.front()->addTorque(vector(base.torque));
   scene_->simulate(static_cast<float>(h));
   scene_->fetchResults(true);
   articulation_->copyInternalStateToCache(**cache_, Flag::eACCELERATION | Flag::eLINK_ACCELERATION);
+  contact::DofVector change = contact::DofVector::Zero(v.size());
   if (first_ == 0) {
     const px::PxSpatialVelocity& own = (*cache_)->linkAcceleration[indices_[0]];
-    v.head<3>() += h * vector(own.angular);
-    v.segment<3>(3) += h * vector(own.linear);
+    change.head<3>() = h * vector(own.angular);
+    change.segment<3>(3) = h * vector(own.linear);
   }
   for (std::size_t i = 0; i < dofs_by_joint_.size(); ++i)
-    v[static_cast<Eigen::Index>(6 + i)] += h * (*cache_)->jointAcceleration[dofs_by_joint_[i]];
-  poisoned_ = poisoned_ || !v.allFinite();
+    change[static_cast<Eigen::Index>(6 + i)] = h * (*cache_)->jointAcceleration[dofs_by_joint_[i]];
+  poisoned_ = poisoned_ || !change.allFinite();
+  inertia.multiply_bare(change, p);
 }
 
 void TreeModel::bare_inertia(contact::JointSpaceInertia& inertia) noexcept {

@@ -31,7 +31,8 @@ class TreeModel final : public contact::TreeDynamics {
 
   void renew() override;
   void place(const Pose& X_WC, const JointVector& q, const contact::DofVector& v) noexcept override;
-  void free_velocity(double h, const Wrench& base, contact::DofVector& v) noexcept override;
+  void free_impulse(double h, const Wrench& base, const contact::JointSpaceInertia& inertia,
+                    const contact::DofVector& v, contact::DofVector& p) noexcept override;
   void bare_inertia(contact::JointSpaceInertia& inertia) noexcept override;
   void point_jacobian(int body, const Vector3& p_WP, contact::PointJacobian& J) const noexcept override;
 

@@ -51,7 +51,14 @@ const std::vector<int>& all_dofs() {
 
 Solution solve(const Case& c, const DofVector& guess = DofVector::Zero(kDofs)) {
   PrimalProblem problem(kDofs, {all_dofs()}, c.friction);
-  problem.begin(c.loops);
+  SparseSymmetric inertia(kDofs, {all_dofs()});
+  inertia.set_identity();
+  for (Eigen::Index k = 0; k < c.loops.cols(); ++k) {
+    PointJacobian row = PointJacobian::Zero(3, kDofs);
+    row.row(0) = c.loops.col(k).transpose();
+    inertia.add_products(all_dofs(), row);
+  }
+  problem.begin(inertia, c.loops);
   for (const Case::Contact& contact : c.contacts)
     problem.add_contact(all_dofs(), contact.Z, contact.R, contact.b);
   for (const Case::Bounded& row : c.bounded) problem.add_bounded(all_dofs(), row.z, row.R, row.b, row.bounds);

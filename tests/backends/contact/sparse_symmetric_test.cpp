@@ -15,14 +15,16 @@ TEST(SparseSymmetric, SolvesAsAFullMatrixDoes) {
   // A base of three, two legs of four with a branch each, and a loop across the second one's.
   const std::vector<std::vector<int>> coupled{{0, 1, 2, 3, 4},     {0, 1, 2, 3, 5, 6},        {0, 1, 2, 7, 8},
                                               {0, 1, 2, 7, 9, 10}, {0, 1, 2, 7, 8, 9, 10, 7}, {}};
+  const std::vector<int> loop{0, 1, 2, 7, 8, 9, 10};
   constexpr int kSize = 11;
   for (int n = 0; n < 20; ++n) {
     SparseSymmetric sparse(kSize, coupled), copy(kSize, coupled);
-    Eigen::MatrixXd full = Eigen::MatrixXd::Identity(kSize, kSize), E = Eigen::MatrixXd::Zero(kSize, 2);
-    for (const int dof : coupled[4]) E.row(dof) << normal(random), normal(random);
+    Eigen::MatrixXd full = Eigen::MatrixXd::Identity(kSize, kSize);
+    PointJacobian E = PointJacobian::Zero(3, kSize);
+    for (const int dof : loop) E.col(dof) << normal(random), normal(random), normal(random);
     sparse.set_identity();
-    sparse.add_products(E);
-    full += E * E.transpose();
+    sparse.add_products(loop, E);
+    full += E.transpose() * E;
     for (const std::vector<int>& set : coupled) {
       Eigen::VectorXd v = Eigen::VectorXd::Zero(kSize);
       for (const int dof : set) v[dof] = normal(random);
