@@ -119,6 +119,8 @@ Outcome run_check(const Check& check, const Subject& subject) {
   }
   try {
     outcome.values = check.measure(subject);
+  } catch (const std::bad_alloc&) {
+    throw;  // says nothing of the engine
   } catch (const std::exception& error) {
     outcome.reason = error.what();
     return outcome;
