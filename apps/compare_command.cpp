@@ -131,6 +131,7 @@ void run_policy(const CompareCommand& options) {
   options.page.check(environment.config);
   const WorldSpec world = EnvModel::make(environment)->world;
   std::vector<RunRecording> recordings = recordings_of(options, world, engines);
+  note_cost(engines, environment, environment.config.episode_seconds, 1, "this walk");
   ProgressLine progress(short_name(options.policy.policy));
   WalkComparison result;
   result.comparison = compare_episodes(

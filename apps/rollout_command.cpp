@@ -7,6 +7,7 @@
 #include "apps/env_options.h"
 #include "apps/interruption.h"
 #include "apps/page_option.h"
+#include "apps/step_cost.h"
 #include "physics/core/table.h"
 #include "report/watched_episodes.h"
 #include "study/rollout.h"
@@ -58,6 +59,8 @@ void run(const RolloutCommand& options) {
                                {{"--engine", {config.engine}}}});
   std::vector<NamedPolicy> policies;  // read once, whoever runs them
   for (const std::string& name : names) policies.push_back(find_policy(name));
+  note_cost({config.engine}, environment, config.episode_seconds, policies.size() * options.runs.episodes,
+            "these episodes");
   ProgressLine progress("rolling out");
   const Rollout rollout =
       roll_out(environment, policies, options.runs, [&](double share) { progress.update(share); });

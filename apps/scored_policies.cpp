@@ -9,6 +9,7 @@
 
 #include "apps/checkpoint.h"
 #include "apps/env_options.h"
+#include "apps/step_cost.h"
 #include "backends/registry.h"
 #include "policy/bundled_policies.h"
 
@@ -142,6 +143,11 @@ void note_provenance(const ScoredPoliciesOptions& options, ScoredPolicies& score
 }
 
 ScoredPolicies score_them(ScoredPolicies scored, const PolicyScoreOptions& how) {
+  for (const ScoredPolicy& policy : scored.policies) {
+    note_cost(scored.engines, policy.environment, how.seconds,
+              how.starts * walk_commands(policy.environment.config).size(),
+              fmt::format("the walks of {}", policy.name));
+  }
   ProgressLine progress("scoring");
   scored.cells =
       score_policies(scored.policies, scored.engines, how, [&](double share) { progress.update(share); });

@@ -1,5 +1,6 @@
 #include "apps/step_cost.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 #include "apps/command.h"
 #include "backends/registry.h"
 #include "backends/served_engine.h"
+#include "env/env_model.h"
 
 namespace crossgait::apps {
 namespace {
@@ -37,16 +39,29 @@ std::string rounded(double seconds) {
 
 }  // namespace
 
-void note_cost(const std::vector<std::string>& engines, const WorldSpec& world, const WalkTiming& timing) {
+void note_cost(const std::vector<std::string>& engines, const WorldSpec& world, double seconds,
+               std::string_view what) {
   constexpr double kWorthSaying = 10, kMilli = 1e-3;
-  const double steps = (timing.settle_seconds + timing.seconds) / world.physics_dt;
+  const double steps = seconds / world.physics_dt;
   for (const std::string& engine : engines) {
     if (!engine.starts_with(kServedPrefix)) continue;
     const double step = seconds_a_step(*make_world(engine, world));
     if (step * steps < kWorthSaying) continue;
-    print_notes({fmt::format("{} takes {:.1f} ms a step: about {} for the {:.0f} steps of this walk", engine,
-                             step / kMilli, rounded(step * steps), steps)});
+    print_notes({fmt::format("{} takes {:.1f} ms a step: about {} for the {:.0f} steps of {}", engine,
+                             step / kMilli, rounded(step * steps), steps, what)});
   }
+}
+
+void note_cost(const std::vector<std::string>& engines, const WorldSpec& world, const WalkTiming& timing) {
+  note_cost(engines, world, timing.settle_seconds + timing.seconds, "this walk");
+}
+
+void note_cost(const std::vector<std::string>& engines, const LoadedEnv& environment, double seconds,
+               std::size_t motions, std::string_view what) {
+  if (std::ranges::none_of(engines, [](const std::string& name) { return name.starts_with(kServedPrefix); }))
+    return;
+  const double each = environment.config.settle_seconds + seconds;
+  note_cost(engines, EnvModel::make(environment)->world, each * static_cast<double>(motions), what);
 }
 
 }  // namespace crossgait::apps

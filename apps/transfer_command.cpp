@@ -5,6 +5,7 @@
 #include "apps/env_options.h"
 #include "apps/interruption.h"
 #include "apps/page_option.h"
+#include "apps/step_cost.h"
 #include "backends/registry.h"
 #include "physics/core/table.h"
 #include "report/watched_episodes.h"
@@ -48,6 +49,8 @@ void run(const TransferCommand& options) {
   nlohmann::json subject = policy_subject(environment, {options.policy}, options.runs.seed);
   subject["terrains"] = options.terrains;
   const Provenance provenance = options.json.provenance({subject, engines, {{"--engines", engines}}});
+  note_cost(engines, environment, environment.config.episode_seconds,
+            options.terrains.size() * options.runs.episodes, "its episodes");
   ProgressLine progress("transferring");
   const Transfer transfer = transfer_policy(environment, options.policy, engines, options.terrains,
                                             options.runs, [&](double share) { progress.update(share); });

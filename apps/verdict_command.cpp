@@ -10,6 +10,7 @@
 #include "apps/interruption.h"
 #include "apps/page_option.h"
 #include "apps/policy_option.h"
+#include "apps/step_cost.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "physics/core/error.h"
@@ -68,6 +69,14 @@ std::vector<std::string> chosen_engines(const std::vector<std::string>& asked, b
   return engines;
 }
 
+// Of one run, with the standing before it, s.
+double seconds_of(const LoadedBehaviour& behaviour) {
+  if (const auto* walk = std::get_if<LoadedWalk>(&behaviour.what))
+    return walk->config.timing.settle_seconds + walk->config.timing.seconds;
+  const EnvConfig& config = std::get_if<LoadedPolicy>(&behaviour.what)->model->loaded().config;
+  return config.settle_seconds + config.episode_seconds;
+}
+
 // After an interruption.
 std::string what_is_kept(const std::string& stored_runs) {
   if (stored_runs.empty()) return "nothing is kept; with --runs FILE.jsonl it would go on from here";
@@ -106,6 +115,8 @@ void run(const VerdictCommand& options) {
   if (options.against) judge.against = read_setup(*options.against, loaded.world());
   const Provenance provenance =
       options.json.provenance({loaded.described, engines, {{"--engines", engines}}});
+  note_cost(engines, loaded.world(), static_cast<double>(judge.verdict.starts) * seconds_of(loaded),
+            "its starts");
   Stages stages;
   std::optional<EngineComparison> judged;
   try {

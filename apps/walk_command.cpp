@@ -44,6 +44,7 @@ void run_policy(const WalkCommand& options) {
   options.page.check(environment.config);
   std::vector<RunRecording> recordings;
   recordings.emplace_back(environment.robot, options.trace, options.page.asked());
+  note_cost({options.engine}, environment, environment.config.episode_seconds, 1, "this walk");
   ProgressLine progress(fmt::format("{} in {}", short_name(options.policy.policy), options.engine));
   TraceSinks sinks;
   if (TraceSink* const sink = recordings.front().sink()) sinks.push_back(sink);

@@ -119,6 +119,21 @@ def _hold(folder: str) -> int:
 
 
 @contextmanager
+def locked_folder(folder: Path) -> Iterator[None]:
+    """Make a folder whose files belong together, and keep others who do so out of it. Raises ConfigError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    except OSError as error:
+        raise ConfigError(os.fspath(folder), "folder", "one that can be written", str(error.strerror)) from error
+    try:
+        lock(file, folder, "folder", "one writer at a time")
+        yield
+    finally:
+        os.close(file)  # and with it the lock
+
+
+@contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """A regular file to read. Folders, devices and pipes, which may never end, are refused. Raises ConfigError."""
     source = os.fspath(path)

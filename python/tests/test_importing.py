@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import math
 import os
@@ -519,6 +520,19 @@ def test_history_in_frames_is_what_was_seen(tmp_path):
     policy = crossgait.Policy.load("zero", config)
     assert policy.layout.observation.names[:3] == ("gravity_B.x@0.04", "gravity_B.y@0.04", "gravity_B.z@0.04")
     assert policy.layout.observation.names[15:18] == ("gravity_B.x@0.02", "gravity_B.y@0.02", "gravity_B.z@0.02")
+
+
+def test_two_do_not_write_one_folder(tmp_path, deployed):
+    _, file, deploy = deployed
+    folder = tmp_path / "walk"
+    folder.mkdir()
+    held = os.open(folder, os.O_RDONLY)
+    fcntl.flock(held, fcntl.LOCK_EX)
+    with pytest.raises(ConfigError, match="folder: expected one writer at a time"):
+        crossgait.import_policy(file, ROBOT, folder, deploy)
+    assert not list(folder.iterdir())
+    os.close(held)
+    assert crossgait.import_policy(file, ROBOT, folder, deploy).policy == str(folder / "walk.yaml")
 
 
 def test_the_command_writes_json(tmp_path, deployed):

@@ -94,13 +94,25 @@ def test_nan_is_a_divergence(served):
     assert world.step([0.0] * 12) == "diverged"
 
 
-def test_a_long_walk_in_it_says_so_before_it_begins(served):
+@pytest.mark.parametrize(
+    ("command", "of"),
+    [
+        ("walk --robot serial_quadruped --engine {} --seconds 60", "60500 steps of this walk"),
+        ("verdict --robot serial_quadruped --engines mujoco,{} --seconds 5 --starts 12", "66000 steps of its starts"),
+        (
+            "rollout --robot serial_quadruped --engine {} --episode-seconds 30 --episodes 2",
+            "61000 steps of these episodes",
+        ),
+        ("score serial_joints --engines {} --seconds 9.5 --starts 2", "77600 steps of the walks of serial_joints"),
+    ],
+)
+def test_what_is_long_in_it_says_so_before_it_begins(served, command, of):
     slow = served("import time; time.sleep(.01)")
-    command = [sys.executable, "-m", "crossgait", "walk", "--robot", "serial_quadruped", "--engine", slow]
-    with subprocess.Popen([*command, "--seconds", "60"], stderr=subprocess.PIPE, text=True) as walk:
-        notes = [walk.stderr.readline(), walk.stderr.readline()]  # of consent, and this
-        walk.kill()
-    assert re.search(r"takes [\d.]+ ms a step: about [\d.]+ (min|h) for the 60500 steps of this walk", notes[1])
+    arguments = [sys.executable, "-m", "crossgait", *command.format(slow).split()]
+    with subprocess.Popen(arguments, stderr=subprocess.PIPE, text=True) as running:
+        notes = [running.stderr.readline(), running.stderr.readline()]  # of consent, and this
+        running.kill()
+    assert re.search(rf"takes [\d.]+ ms a step: about [\d.]+ (min|h) for the {of}", notes[1])
 
 
 def test_by_hand_it_says_what_it_is(served):

@@ -11,7 +11,7 @@ from typing import Any
 
 from crossgait._core import EnvironmentConfig, PolicyInterface, Robot
 from crossgait.errors import ConfigError
-from crossgait.files import check_outputs, noting_reads, read_bytes, written_whole
+from crossgait.files import check_outputs, locked_folder, noting_reads, read_bytes, written_whole
 from crossgait.importing import environment, forms, network, stated, terms
 from crossgait.importing.actuator import ACTUATOR_FILE, write_actuator
 from crossgait.importing.contract import SETTINGS, Contract, Field
@@ -129,7 +129,13 @@ def import_policy(
         forms.find_form(root).read(root, contract, forms.Options(joint_order, folders))
     _require(contract, file)
     made = environment.make_environment(contract, name)
-    folder.mkdir(parents=True, exist_ok=True)
+    with locked_folder(folder):
+        return _write(file, folder, contract, made, roots, agent)
+
+
+def _write(
+    file: str, folder: Path, contract: Contract, made: dict[str, Any], roots: list[Stated], agent: Stated | None
+) -> Imported:
     environment_file = folder / ENVIRONMENT_FILE
     if contract.actuator is not None:
         made["joints"]["actuator"] = write_actuator(contract.actuator, folder)
