@@ -79,7 +79,7 @@ void add_bench_command(CLI::App& program, Invocation& invocation) {
   command->footer(
       "\n  speed     time of a physics step in five scenes, of the walk around it, and on several threads\n"
       "  accuracy  error of the trot against the same engine at a step of 1/16 ms, and what it costs\n"
-      "  analytic  free fall, pendulum, tumbling and friction against closed forms\n"
+      "  analytic  free fall, pendulum, tumbling, friction and rebound against closed forms\n"
       "  feet      creep, penetration, touch-down and slip of feet\n"
       "\nExamples:\n"
       "  crossgait bench --quick\n"

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "backends/registry.h"
+#include "gait/scale.h"
 #include "motion/gait_source.h"
 #include "motion/time_steps.h"
 #include "motion/walk.h"
@@ -100,7 +101,10 @@ class Walk {
   }
 
  private:
-  ControllerPtr controller() const { return make_gait_controller(choose_gait("trot", {}), world_->spec()); }
+  ControllerPtr controller() const {
+    const GaitChoice trot = choose_gait("trot", {}, {}, gait_scale(world_->robot()));
+    return make_gait_controller(trot, world_->spec());
+  }
 
   std::unique_ptr<PhysicsBackend> world_;
   WalkTiming timing_;

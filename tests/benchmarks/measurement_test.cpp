@@ -92,6 +92,9 @@ TEST_P(Scenes, AreThoseOfTheRobotThatIsAskedFor) {
     EXPECT_GE(contacts, scene.name == "swing" ? 0 : 2) << scene.name;
     EXPECT_LE(contacts, scene.name == "swing" ? 0 : 4) << scene.name;
   }
+  // A walk of another size would be out of reach of its legs.
+  const OverheadSettings walk{.engines = {GetParam()}, .rounds = 1, .seconds = 0.2, .robot = robot};
+  EXPECT_EQ(measure_overhead(walk, kSilent).size(), 2U);
 }
 
 TEST_P(Scenes, AreMeasuredInEveryRound) {
