@@ -22,7 +22,7 @@ using nlohmann::ordered_json;
 
 struct BenchCommand {
   benchmarks::BenchOptions bench;
-  std::string from, compare;
+  std::string robot = "scara_quadruped", from, compare;
   double worse_than = 1.25;
   PageOption page;
   JsonOption json;
@@ -31,6 +31,7 @@ struct BenchCommand {
 ordered_json measure(const BenchCommand& options) {
   benchmarks::BenchOptions bench = options.bench;
   if (bench.engines.empty()) bench.engines = available_engines();
+  bench.robot = std::make_shared<const RobotDescription>(load_robot(find_robot(options.robot)));
   ProgressLine progress("measuring");
   return benchmarks::run_bench(bench, [&](double share) { progress.update(share); });
 }
@@ -39,7 +40,7 @@ Provenance provenance_of(const BenchCommand& options) {
   if (!options.from.empty()) return options.json.provenance();  // it says itself what it was measured with
   const std::vector<std::string> engines =
       options.bench.engines.empty() ? available_engines() : options.bench.engines;
-  ResultInputs inputs = of_robot(load_robot(find_robot("scara_quadruped")));
+  ResultInputs inputs = of_robot(load_robot(find_robot(options.robot)));
   inputs.engines = engines;
   inputs.chosen["--engines"] = engines;
   return options.json.provenance(inputs);
@@ -78,11 +79,12 @@ void add_bench_command(CLI::App& program, Invocation& invocation) {
   command->footer(
       "\n  speed     time of a physics step in five scenes, of the walk around it, and on several threads\n"
       "  accuracy  error of the trot against the same engine at a step of 1/16 ms, and what it costs\n"
-      "  analytic  free fall, pendulum, tumbling and friction against closed forms\n"
+      "  analytic  free fall, pendulum, tumbling, friction and rebound against closed forms\n"
       "  feet      creep, penetration, touch-down and slip of feet\n"
       "\nExamples:\n"
       "  crossgait bench --quick\n"
       "  crossgait bench --only speed --engines mujoco,bullet --json speed.json\n"
+      "  crossgait bench --only speed --quick --robot serial_quadruped --engines mujoco,physx,physx:pgs\n"
       "  crossgait bench --json result.json --report result.html --compare "
       "benchmarks/results/amd-epyc-2-cores.json\n"
       "  crossgait bench --from result.json --report result.html");
@@ -100,10 +102,12 @@ void add_bench_command(CLI::App& program, Invocation& invocation) {
                        "Engines, comma-separated or repeated; all that are built in by default. Times are "
                        "compared to the first one's")
           ->delimiter(',');
+  add_robot_option(*command, options->robot);  // of all sections but analytic
   command->add_option("--from", options->from, "Measure nothing: take the result that --json wrote")
       ->type_name("FILE")
       ->excludes(quick)
       ->excludes(only)
+      ->excludes(command->get_option("--robot"))
       ->excludes(engine);
   command
       ->add_option("--compare", options->compare,

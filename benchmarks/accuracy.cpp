@@ -15,20 +15,26 @@ namespace {
 
 constexpr double kSettle = 1;  // s: longer than the touch-down's swinging
 
-std::unique_ptr<PhysicsBackend> make_trot_world(const std::string& engine, const std::string& terrain,
-                                                double step) {
-  WorldSpec spec = scenes::world_of(scenes::quadruped());
-  spec.terrain = make_terrain(terrain);
+/// What trots in which engine, and where.
+struct Place {
+  std::string engine, terrain;
+  scenes::RobotPtr robot;
+};
+
+std::unique_ptr<PhysicsBackend> make_trot_world(const Place& place, double step) {
+  WorldSpec spec = scenes::world_of(place.robot);
+  spec.terrain = make_terrain(place.terrain);
   spec.physics_dt = step;
-  return crossgait::make_world(engine, spec);
+  return crossgait::make_world(place.engine, spec);
 }
 
 /// Physics steps per command: at least one.
 int substeps(double step) { return std::max(1, static_cast<int>(std::lround(kCommandStep / step))); }
 
 /// The trot from its first step, command by command.
-std::vector<JointTargets> commands(double seconds, double period = kCommandStep) {
-  const scenes::Trot trot(*scenes::quadruped());
+std::vector<JointTargets> commands(const RobotDescription& robot, double seconds,
+                                   double period = kCommandStep) {
+  const scenes::Trot trot(robot);
   std::vector<JointTargets> targets;
   for (long i = 0; i < std::lround(seconds / period); ++i) {
     targets.push_back(trot.targets(scenes::Trot::kStand + static_cast<double>(i) * period));
@@ -57,10 +63,10 @@ struct Run {
   RobotState start;
   std::vector<double> cost, cost_ratio;
 
-  Run(const std::string& terrain, const std::string& engine, double step, RobotState from)
-      : world(make_trot_world(engine, terrain, step)), start(std::move(from)) {
-    point.terrain = terrain;
-    point.engine = engine;
+  Run(const Place& place, double step, RobotState from)
+      : world(make_trot_world(place, step)), start(std::move(from)) {
+    point.terrain = place.terrain;
+    point.engine = place.engine;
     point.step_s = step;
   }
 };
@@ -89,19 +95,18 @@ RobotState settled(PhysicsBackend& world) {
 }
 
 /// One engine at every step, against itself at the reference step.
-std::vector<Run> measure_errors(const std::string& engine, const std::string& terrain,
-                                const std::vector<double>& steps) {
-  const std::vector<JointTargets> targets = commands(kAccuracyHorizon);
-  const auto exact = make_trot_world(engine, terrain, kReferenceStep);
+std::vector<Run> measure_errors(const Place& place, const std::vector<double>& steps) {
+  const std::vector<JointTargets> targets = commands(*place.robot, kAccuracyHorizon);
+  const auto exact = make_trot_world(place, kReferenceStep);
   const RobotState start = settled(*exact);
   States states, reference;
   follow(*exact, start, targets, reference);
   if (reference.size() < targets.size()) {
-    throw std::runtime_error(fmt::format("the trot diverged in {} at the reference step", engine));
+    throw std::runtime_error(fmt::format("the trot diverged in {} at the reference step", place.engine));
   }
   std::vector<Run> runs;
   for (const double step : steps) {
-    Run& run = runs.emplace_back(terrain, engine, step, start);
+    Run& run = runs.emplace_back(place, step, start);
     follow(*run.world, start, targets, states);
     compare(states, reference, run.point);
   }
@@ -110,7 +115,7 @@ std::vector<Run> measure_errors(const std::string& engine, const std::string& te
 
 /// Times every step in every engine, the engines in turns.
 void time_round(std::vector<std::vector<Run>>& runs) {
-  const std::vector<JointTargets> targets = commands(kAccuracyHorizon);
+  const std::vector<JointTargets> targets = commands(runs.front().front().world->robot(), kAccuracyHorizon);
   States states;
   for (std::size_t s = 0; s < runs.front().size(); ++s) {
     for (std::vector<Run>& engine : runs) {
@@ -123,15 +128,15 @@ void time_round(std::vector<std::vector<Run>>& runs) {
   }
 }
 
-StableStep find_stable_step(const std::string& engine, const std::string& terrain) {
+StableStep find_stable_step(const Place& place) {
   StableStep result;
-  result.terrain = terrain;
-  result.engine = engine;
+  result.terrain = place.terrain;
+  result.engine = place.engine;
   for (const double ms :
        {1.0, 2.0, 8.0 / 3, 4.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0}) {
     const double step = 1e-3 * ms;
     result.tried_s.push_back(step);
-    if (!trot_survives(engine, terrain, step)) break;
+    if (!trot_survives(place.engine, place.terrain, step, place.robot)) break;
     result.largest_s = step;
   }
   return result;
@@ -139,14 +144,15 @@ StableStep find_stable_step(const std::string& engine, const std::string& terrai
 
 }  // namespace
 
-bool trot_survives(const std::string& engine, const std::string& terrain, double step) {
+bool trot_survives(const std::string& engine, const std::string& terrain, double step,
+                   const scenes::RobotPtr& robot) {
   constexpr double kFallen = M_PI / 3;
-  const auto world = make_trot_world(engine, terrain, step);
+  const auto world = make_trot_world({engine, terrain, robot}, step);
   if (world->step(scenes::home_targets(world->robot()), static_cast<int>(std::lround(kSettle / step))) !=
       StepStatus::kOk) {
     return false;
   }
-  for (const JointTargets& target : commands(kStabilityHorizon, std::max(kCommandStep, step))) {
+  for (const JointTargets& target : commands(*robot, kStabilityHorizon, std::max(kCommandStep, step))) {
     if (world->step(target, substeps(step)) != StepStatus::kOk) return false;
     const RobotState& s = world->state();
     const Vector3 rpy = roll_pitch_yaw(s.q_WB);
@@ -165,7 +171,7 @@ Accuracy measure_accuracy(const AccuracySettings& settings, const Progress& prog
   for (const std::string& terrain : settings.terrains) {
     std::vector<std::vector<Run>> runs;  // by engine, by step
     for (const std::string& engine : settings.engines) {
-      runs.push_back(measure_errors(engine, terrain, settings.steps_s));
+      runs.push_back(measure_errors({engine, terrain, settings.robot}, settings.steps_s));
       advance(2.0 / static_cast<double>(settings.engines.size()));
     }
     for (int round = 0; round < settings.rounds; ++round) {
@@ -178,7 +184,7 @@ Accuracy measure_accuracy(const AccuracySettings& settings, const Progress& prog
         run.point.cost_ratio = quartiles(run.cost_ratio).median;
         result.points.push_back(std::move(run.point));
       }
-      result.stable.push_back(find_stable_step(engine.front().world->info().name, terrain));
+      result.stable.push_back(find_stable_step({engine.front().world->info().name, terrain, settings.robot}));
     }
     advance(1);
   }

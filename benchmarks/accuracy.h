@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "parity/comparison.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::benchmarks {
 
@@ -47,12 +48,14 @@ struct AccuracySettings {
   std::vector<std::string> terrains{"flat", "rough:seed=1"};
   std::vector<double> steps_s{8e-3, 4e-3, 2e-3, 1e-3, 1e-3 / 2, 1e-3 / 4, 1e-3 / 8};
   int rounds = 7;  ///< of timing; every engine and step has its turn in each
+  scenes::RobotPtr robot = scenes::quadruped();
 };
 
 /// Tells whether five cycles of the trot at this step (commands with every step if it is longer than theirs)
 /// stay upright (within 60 degrees), off the belly (base above half its height at home, over the ground) and
 /// finite.
-bool trot_survives(const std::string& engine, const std::string& terrain, double step);
+bool trot_survives(const std::string& engine, const std::string& terrain, double step,
+                   const scenes::RobotPtr& robot = scenes::quadruped());
 
 /// @throws std::runtime_error if an engine does not get through the cycle at the reference step
 Accuracy measure_accuracy(const AccuracySettings& settings, const Progress& progress);

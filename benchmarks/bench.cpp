@@ -19,6 +19,7 @@
 #include "physics/core/error.h"
 #include "physics/core/schema.h"
 #include "physics/core/text.h"
+#include "scenes/analytic.h"
 #include "scenes/incline.h"
 
 namespace crossgait::benchmarks {
@@ -40,9 +41,9 @@ ordered_json number_or_null(const std::optional<double>& value) {
 ordered_json speed(const BenchOptions& options, const Progress& progress) {
   ordered_json result{
       {"scenes", ordered_json::array()}, {"eta", ordered_json::array()}, {"threads", ordered_json::array()}};
-  for (const SpeedScene& scene : speed_scenes()) result["summaries"][scene.name] = scene.summary;
+  for (const SpeedScene& scene : speed_scenes(options.robot)) result["summaries"][scene.name] = scene.summary;
   constexpr double kStep = 1e-3;  // of WorldSpec
-  SpeedSettings settings{.engines = options.engines};
+  SpeedSettings settings{.engines = options.engines, .robot = options.robot};
   if (options.quick) settings.rounds = 5;
   for (const SceneSpeed& s : measure_speed(settings, part_of(progress, 0, 0.5))) {
     ordered_json record{{"scene", s.scene}, {"engine", s.engine}, {"contacts", s.contacts}};
@@ -52,7 +53,7 @@ ordered_json speed(const BenchOptions& options, const Progress& progress) {
     record["real_time_factor"] = kStep * 1e6 / s.us_per_step.median;
     result["scenes"].push_back(std::move(record));
   }
-  OverheadSettings overhead{.engines = options.engines};
+  OverheadSettings overhead{.engines = options.engines, .robot = options.robot};
   if (options.quick) overhead.rounds = 3;
   for (const Overhead& o : measure_overhead(overhead, part_of(progress, 0.5, 0.7))) {
     ordered_json record{{"terrain", o.terrain}, {"engine", o.engine}};
@@ -61,7 +62,7 @@ ordered_json speed(const BenchOptions& options, const Progress& progress) {
     record["engine_us_per_step"] = o.alone_us;
     result["eta"].push_back(std::move(record));
   }
-  ScalingSettings scaling{.engines = options.engines};
+  ScalingSettings scaling{.engines = options.engines, .robot = options.robot};
   scaling.max_threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (options.quick) scaling.rounds = 3, scaling.repeats = 2;
   for (const ThreadSpeed& t : measure_scaling(scaling, part_of(progress, 0.7, 1))) {
@@ -74,7 +75,7 @@ ordered_json speed(const BenchOptions& options, const Progress& progress) {
 }
 
 ordered_json accuracy(const BenchOptions& options, const Progress& progress) {
-  AccuracySettings settings{.engines = options.engines};
+  AccuracySettings settings{.engines = options.engines, .robot = options.robot};
   if (options.quick) settings.rounds = 1;
   const Accuracy measured = measure_accuracy(settings, progress);
   ordered_json result{{"command_step_s", kCommandStep},  {"reference_step_s", kReferenceStep},
@@ -99,7 +100,9 @@ ordered_json accuracy(const BenchOptions& options, const Progress& progress) {
 }
 
 ordered_json analytic(const BenchOptions& options, const Progress& progress) {
-  ordered_json result{{"convergence", ordered_json::array()}, {"friction", ordered_json::array()}};
+  ordered_json result{{"convergence", ordered_json::array()},
+                      {"friction", ordered_json::array()},
+                      {"rebound", ordered_json::array()}};
   for (const Convergence& c : measure_convergence(options.engines, part_of(progress, 0, 0.5))) {
     result["convergence"].push_back({{"quantity", c.quantity},
                                      {"unit", c.unit},
@@ -123,12 +126,18 @@ ordered_json analytic(const BenchOptions& options, const Progress& progress) {
                          static_cast<double>(grounds.size() * options.engines.size()));
     }
   }
+  constexpr double kStep = 1e-3;  // s
+  for (const std::string& engine : options.engines) {
+    result["rebound"].push_back({{"engine", engine},
+                                 {"step_s", kStep},
+                                 {"share_of_speed", scenes::rebound(find_engine(engine), kStep)}});
+  }
   return result;
 }
 
 ordered_json feet(const BenchOptions& options, const Progress& progress) {
   ordered_json result = ordered_json::array();
-  FeetSettings settings{.engines = options.engines};
+  FeetSettings settings{.engines = options.engines, .robot = options.robot};
   if (options.quick) settings.stand_seconds = 10;
   for (const FootCard& c : measure_feet(settings, progress)) {
     result.push_back({{"terrain", c.terrain},
@@ -156,17 +165,23 @@ struct Section {
 constexpr std::array<Section, 4> kSections{
     {{"speed", speed, 6}, {"accuracy", accuracy, 6}, {"analytic", analytic, 0.3}, {"feet", feet, 2}}};
 
-void check_list(const std::vector<std::string>& given, const std::vector<std::string>& known,
-                const char* option) {
+void check_once(const std::vector<std::string>& given, const char* option) {
   for (auto it = given.begin(); it != given.end(); ++it) {
-    if (std::find(known.begin(), known.end(), *it) == known.end()) {
-      throw ConfigError("benchmark", option, fmt::format("one of {}", fmt::join(known, ", ")),
-                        "\"" + *it + "\"");
-    }
     if (std::find(given.begin(), it, *it) != it) {
       throw ConfigError("benchmark", option, "each once", "\"" + *it + "\" again");
     }
   }
+}
+
+void check_sections(const std::vector<std::string>& given) {
+  const std::vector<std::string>& known = bench_sections();
+  for (const std::string& name : given) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      throw ConfigError("benchmark", "section", fmt::format("one of {}", fmt::join(known, ", ")),
+                        "\"" + name + "\"");
+    }
+  }
+  check_once(given, "section");
 }
 
 }  // namespace
@@ -181,16 +196,20 @@ const std::vector<std::string>& bench_sections() {
 }
 
 ordered_json run_bench(const BenchOptions& options, const Progress& progress) {
-  check_list(options.engines, available_engines(), "engine");
-  check_list(options.sections, bench_sections(), "section");
+  for (const std::string& name : options.engines) find_engine(name);  // says what is wrong with a name
+  check_once(options.engines, "engine");
+  check_sections(options.sections);
+  if (!options.robot->legs) {
+    throw ConfigError("benchmark", "robot", "four legs", "'" + options.robot->name + "', which has none");
+  }
   if (options.engines.empty()) throw ConfigError("benchmark", "engine", "at least one engine", "none");
 
   ordered_json result = with_schema("bench", {{"quick", options.quick}});
   result["machine"] = describe_machine();
-  result["robot"] = scenes::quadruped()->name;
+  result["robot"] = options.robot->name;
   result["engines"] = ordered_json::array();
   for (const std::string& name : options.engines) {
-    const EngineInfo info = make_world(name, scenes::world_of(scenes::quadruped()))->info();
+    const EngineInfo info = make_world(name, scenes::world_of(options.robot))->info();
     result["engines"].push_back(
         {{"name", name}, {"library", info.library}, {"version", info.version}, {"mode", info.mode}});
   }

@@ -11,6 +11,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "parity/comparison.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::benchmarks {
 
@@ -18,13 +19,14 @@ namespace crossgait::benchmarks {
 const std::vector<std::string>& bench_sections();
 
 struct BenchOptions {
-  std::vector<std::string> engines;   ///< the first one is what times are compared to
-  std::vector<std::string> sections;  ///< empty: all
-  bool quick = false;                 ///< fewer repetitions and shorter standing
+  std::vector<std::string> engines;              ///< the first one is what times are compared to
+  std::vector<std::string> sections;             ///< empty: all
+  bool quick = false;                            ///< fewer repetitions and shorter standing
+  scenes::RobotPtr robot = scenes::quadruped();  ///< of all sections but analytic
 };
 
 /// Runs sections; if `progress` throws Interrupted, returns the finished ones, and "interrupted": true.
-/// @throws ConfigError for an unknown or repeated section or engine, or none
+/// @throws ConfigError for an unknown or repeated section or engine, or none, and for a robot without legs
 /// @throws std::runtime_error if an engine diverges where it must not
 nlohmann::ordered_json run_bench(const BenchOptions& options, const Progress& progress);
 

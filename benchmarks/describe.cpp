@@ -112,7 +112,7 @@ std::string accuracy_tables(const ordered_json& accuracy, const std::vector<std:
 
 std::string analytic_tables(const ordered_json& analytic, const std::vector<std::string>& engines) {
   Columns errors("error at 1 ms", engines), orders("order of convergence", engines),
-      friction("friction", engines);
+      friction("friction", engines), rebound("a ball thrown at the plane leaves with", engines);
   for (const ordered_json& c : analytic.at("convergence")) {
     const std::string quantity = c.at("quantity"), engine = c.at("engine"), unit = c.at("unit");
     for (std::size_t i = 0; i < c.at("step_s").size(); ++i) {
@@ -133,7 +133,13 @@ std::string analytic_tables(const ordered_json& analytic, const std::vector<std:
     friction.set(ground + ": range over headings, %", engine,
                  fmt::format("{:.3f}", 100 * number(f, "range_over_headings")));
   }
-  return errors.str() + orders.str() + friction.str();
+  if (analytic.contains("rebound")) {  // a result of before has none
+    for (const ordered_json& r : analytic.at("rebound")) {
+      rebound.set(fmt::format("share of its speed, steps of {:g} ms", 1e3 * number(r, "step_s")),
+                  r.at("engine"), fmt::format("{:.4f}", number(r, "share_of_speed")));
+    }
+  }
+  return errors.str() + orders.str() + friction.str() + rebound.str();
 }
 
 std::string feet_table(const ordered_json& feet, const std::vector<std::string>& engines) {

@@ -128,7 +128,7 @@ std::vector<FootCard> measure_feet(const FeetSettings& settings, const Progress&
   const double count = static_cast<double>(settings.terrains.size() * settings.engines.size());
   for (const std::string& terrain : settings.terrains) {
     for (const std::string& engine : settings.engines) {
-      WorldSpec spec = scenes::world_of(scenes::quadruped());
+      WorldSpec spec = scenes::world_of(settings.robot);
       spec.terrain = make_terrain(terrain);
       const auto world = make_world(engine, spec);
       FootCard card;

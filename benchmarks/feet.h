@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "parity/comparison.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::benchmarks {
 
@@ -13,6 +14,7 @@ struct FeetSettings {
   std::vector<std::string> terrains{"flat", "rough:seed=1"};
   double stand_seconds = 60;
   int strides = 6;  ///< of each leg, at full step length
+  scenes::RobotPtr robot = scenes::quadruped();
 };
 
 /// Holds what the feet do in one engine on one terrain, physics step 1 ms.

@@ -74,6 +74,14 @@ void add_accuracy(const ordered_json& accuracy, const std::string& base, Figures
   }
 }
 
+void add_rebound(const ordered_json& rebound, Figures& figures) {
+  for (const ordered_json& r : rebound) {
+    figures.push_back({fmt::format("analytic, rebound in {} at {:g} ms", text(r, "engine"),
+                                   1e3 * r.at("step_s").get<double>()),
+                       magnitude(r, "share_of_speed"), kRelativeFloor});
+  }
+}
+
 void add_analytic(const ordered_json& analytic, Figures& figures) {
   for (const ordered_json& c : analytic.at("convergence")) {
     for (std::size_t i = 0; i < c.at("step_s").size(); ++i) {
@@ -91,6 +99,7 @@ void add_analytic(const ordered_json& analytic, Figures& figures) {
     figures.push_back(
         {"analytic, " + where + ": range over headings", magnitude(f, "range_over_headings"), 1e-4});
   }
+  if (analytic.contains("rebound")) add_rebound(analytic.at("rebound"), figures);
 }
 
 void add_feet(const ordered_json& feet, Figures& figures) {
@@ -147,6 +156,10 @@ void check_worse_than(double factor) {
 
 Regression compare_results(const ordered_json& before, const ordered_json& after, double worse_than) {
   check_worse_than(worse_than);
+  const std::string robot = before.value("robot", ""), other = after.value("robot", "");
+  if (robot != other) {
+    throw ConfigError("benchmark", "stored result", "the robot that is measured now, " + other, robot);
+  }
   std::map<std::string, Figure> now;
   std::set<std::string> sections;
   for (Figure& figure : comparable_figures(after)) {

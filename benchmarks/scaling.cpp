@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "backends/registry.h"
+#include "gait/scale.h"
 #include "motion/gait_source.h"
 #include "motion/time_steps.h"
 #include "motion/walk.h"
@@ -18,8 +19,8 @@
 namespace crossgait::benchmarks {
 namespace {
 
-SpeedScene scene_named(const std::string& name) {
-  for (SpeedScene& scene : speed_scenes()) {
+SpeedScene scene_named(const std::string& name, const scenes::RobotPtr& robot) {
+  for (SpeedScene& scene : speed_scenes(robot)) {
     if (scene.name == name) return scene;
   }
   throw std::logic_error("no scene " + name);
@@ -57,8 +58,8 @@ double run_together(std::vector<SceneRunner>& runners, int threads, int repeats)
 /// A recorded walk that can be run again as a walk and as bare steps.
 class Walk {
  public:
-  Walk(const std::string& engine, const std::string& terrain, double seconds) {
-    WorldSpec spec = scenes::world_of(scenes::quadruped());
+  Walk(const std::string& engine, const scenes::RobotPtr& robot, const std::string& terrain, double seconds) {
+    WorldSpec spec = scenes::world_of(robot);
     spec.terrain = make_terrain(terrain);
     world_ = make_world(engine, spec);
     timing_.seconds = seconds;
@@ -100,7 +101,10 @@ class Walk {
   }
 
  private:
-  ControllerPtr controller() const { return make_gait_controller(choose_gait("trot", {}), world_->spec()); }
+  ControllerPtr controller() const {
+    const GaitChoice trot = choose_gait("trot", {}, {}, gait_scale(world_->robot()));
+    return make_gait_controller(trot, world_->spec());
+  }
 
   std::unique_ptr<PhysicsBackend> world_;
   WalkTiming timing_;
@@ -111,7 +115,7 @@ class Walk {
 }  // namespace
 
 std::vector<ThreadSpeed> measure_scaling(const ScalingSettings& settings, const Progress& progress) {
-  const SpeedScene scene = scene_named("trot_flat");
+  const SpeedScene scene = scene_named("trot_flat", settings.robot);
   const auto threads = static_cast<std::size_t>(settings.max_threads);
   std::vector<std::vector<SceneRunner>> runners(settings.engines.size());
   for (std::size_t b = 0; b < runners.size(); ++b) {
@@ -147,7 +151,7 @@ std::vector<Overhead> measure_overhead(const OverheadSettings& settings, const P
   for (std::size_t k = 0; k < terrains.size(); ++k) {
     std::vector<Walk> walks;
     for (const std::string& engine : settings.engines) {
-      walks.emplace_back(engine, terrains[k], settings.seconds);
+      walks.emplace_back(engine, settings.robot, terrains[k], settings.seconds);
     }
     std::vector<std::vector<double>> eta(walks.size()), walk_us(walks.size()), alone_us(walks.size());
     for (int round = 0; round < settings.rounds; ++round) {

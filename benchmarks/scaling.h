@@ -13,6 +13,7 @@ struct ScalingSettings {
   int max_threads = 1;
   int rounds = 9;   ///< every engine and number of threads has its turn in each
   int repeats = 6;  ///< of the scene by each thread in a turn
+  scenes::RobotPtr robot = scenes::quadruped();
 };
 
 /// Holds the speed of one engine on so many threads, a world of its own on each.
@@ -30,6 +31,7 @@ struct OverheadSettings {
   std::vector<std::string> engines;
   int rounds = 15;
   double seconds = 2;  ///< of trot
+  scenes::RobotPtr robot = scenes::quadruped();
 };
 
 /// Compares a walk (gait, kinematics, engine, statistics) with the engine alone on the servo targets recorded

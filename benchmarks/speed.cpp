@@ -8,8 +8,7 @@
 #include "backends/registry.h"
 
 namespace crossgait::benchmarks {
-std::vector<SpeedScene> speed_scenes() {
-  const scenes::RobotPtr robot = scenes::quadruped();
+std::vector<SpeedScene> speed_scenes(const scenes::RobotPtr& robot) {
   const scenes::RobotPtr millipede = scenes::millipede();
   const auto hold = [](const scenes::RobotPtr& r) {
     return [home = scenes::home_targets(*r)](double) { return home; };
@@ -82,7 +81,7 @@ double SceneRunner::count_contacts() {
 }
 
 std::vector<SceneSpeed> measure_speed(const SpeedSettings& settings, const Progress& progress) {
-  const std::vector<SpeedScene> all = speed_scenes();
+  const std::vector<SpeedScene> all = speed_scenes(settings.robot);
   std::vector<SceneSpeed> results;
   for (std::size_t s = 0; s < all.size(); ++s) {
     std::vector<SceneRunner> runners;

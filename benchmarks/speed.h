@@ -21,12 +21,13 @@ struct SpeedScene {
   std::function<JointTargets(double time)> targets;
 };
 
-/// Returns the scenes swing, stand, trot_flat, trot_rough, pile.
-std::vector<SpeedScene> speed_scenes();
+/// Returns the scenes swing, stand, trot_flat, trot_rough, of this robot, and pile, of one of its own.
+std::vector<SpeedScene> speed_scenes(const scenes::RobotPtr& robot = scenes::quadruped());
 
 struct SpeedSettings {
   std::vector<std::string> engines;  ///< the first one is what the others are compared to
   int rounds = 31;                   ///< every engine has its turn in each
+  scenes::RobotPtr robot = scenes::quadruped();
 };
 
 /// Holds the speed of one scene in one engine.

@@ -1,5 +1,6 @@
 #include "scenes/analytic.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -112,6 +113,25 @@ double pendulum_error(const Engine& engine, double h) {
   const double w = std::sqrt(link.mass * kGravity * link.length / link.joint_inertia());
   const double exact = 4 / w * std::comp_ellint_1(std::sin(kAmplitude / 2));
   return pendulum_period(engine, link, kAmplitude, h, 3) / exact - 1;
+}
+
+double rebound(const Engine& engine, double h) {
+  constexpr double kRadius = 0.05, kSpeed = 1, kSeconds = 0.3;  // soft contact holds a ball for some 0.05 s
+  constexpr int kStarts = 8;
+  WorldSpec spec = world_of(block(ShapeType::kSphere, {kRadius, 0, 0}));
+  spec.physics_dt = h;
+  spec.gravity.setZero();
+  const auto world = engine.make(spec);
+  double fastest = 0;
+  for (int i = 0; i < kStarts; ++i) {
+    RobotState start = world->home_state();
+    start.p_WB = {0, 0, kRadius + (10 + static_cast<double>(i) / kStarts) * kSpeed * h};
+    start.v_WB = {0, 0, -kSpeed};
+    world->reset(start);
+    for (long k = 0; k < std::lround(kSeconds / h); ++k) step(*world);
+    fastest = std::max(fastest, world->state().v_WB.z());
+  }
+  return fastest / kSpeed;
 }
 
 }  // namespace crossgait::scenes

@@ -47,6 +47,24 @@ TEST_P(Analytic, OrdersAreThoseOfSemiImplicitEuler) {
   }
 }
 
+TEST_P(Analytic, ABallLeavesSoftContactAsItsDamperLetsItAndHardContactNotAtAll) {
+  constexpr double kStep = 1e-4;
+  const double share = scenes::rebound(find_engine(GetParam()), kStep);
+  if (!capabilities().soft_contact) {
+    // Rigid contact has no restitution: what is left is a share of the way into the ground of one step,
+    // undone.
+    EXPECT_LT(share, 1e-3);
+    return;
+  }
+  // x'' + 2 x' / t + x / (d t^2) = 0 (MuJoCo's law at a damping ratio of 1 and impedance d), until the force
+  // on the ball, which cannot pull, is zero.
+  const double d = ContactSpec{}.softness.impedance_max, ratio = std::sqrt(d),
+               s = std::sqrt(1 - ratio * ratio);
+  const double expected = std::exp(-ratio / s * std::atan2(2 * ratio * s, 2 * ratio * ratio - 1));
+  // A step is 0.5 % of the time constant, and over the first 1 mm of 7 the impedance is less than d.
+  EXPECT_NEAR(share / expected, 1, 0.05);
+}
+
 class Scenes : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Scenes);
 
@@ -63,6 +81,20 @@ TEST_P(Scenes, TouchTheGroundAsTheyShould) {
     }
   }
   EXPECT_EQ(names, (std::set<std::string>{"swing", "stand", "trot_flat", "trot_rough", "pile"}));
+}
+
+TEST_P(Scenes, AreThoseOfTheRobotThatIsAskedFor) {
+  const scenes::RobotPtr robot = scenes::serial_quadruped();
+  for (const SpeedScene& scene : speed_scenes(robot)) {
+    if (scene.name == "pile") continue;
+    EXPECT_EQ(scene.spec.robot, robot) << scene.name;
+    const double contacts = SceneRunner(scene, find_engine(GetParam())).count_contacts();
+    EXPECT_GE(contacts, scene.name == "swing" ? 0 : 2) << scene.name;
+    EXPECT_LE(contacts, scene.name == "swing" ? 0 : 4) << scene.name;
+  }
+  // A walk of another size would be out of reach of its legs.
+  const OverheadSettings walk{.engines = {GetParam()}, .rounds = 1, .seconds = 0.2, .robot = robot};
+  EXPECT_EQ(measure_overhead(walk, kSilent).size(), 2U);
 }
 
 TEST_P(Scenes, AreMeasuredInEveryRound) {

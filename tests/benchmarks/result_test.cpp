@@ -124,6 +124,22 @@ TEST(Comparison, RefusesWhatMakesNoSense) {
   for (const char* section : {"accuracy", "analytic", "feet"}) speed.erase(section);
   for (const char* section : {"accuracy", "analytic", "speed"}) feet.erase(section);
   EXPECT_THROW(compare_results(speed, feet, 2), ConfigError);
+  ordered_json other = hand_written();
+  other["robot"] = "another";
+  EXPECT_THROW(compare_results(hand_written(), other, 2), ConfigError);
+}
+
+TEST(Comparison, CountsTheReboundWhereBothResultsHaveIt) {
+  ordered_json before = hand_written(), after = hand_written();
+  const auto rebound = [](double share) {
+    return ordered_json::array({{{"engine", "b"}, {"step_s", 0.001}, {"share_of_speed", share}}});
+  };
+  after["analytic"]["rebound"] = rebound(0.5);
+  EXPECT_TRUE(compare_results(before, after, 1.25).missing.empty());
+  before["analytic"]["rebound"] = rebound(0.1);
+  EXPECT_EQ(names(compare_results(before, after, 1.25).worse),
+            (std::vector<std::string>{"analytic, rebound in b at 1 ms"}));
+  EXPECT_NE(describe_bench(after).find("0.5000"), std::string::npos);
 }
 
 TEST(StoredResult, IsReadBack) {
@@ -184,6 +200,9 @@ TEST(RunBench, RefusesBadSelections) {
   EXPECT_THROW(run({engine, engine}, {"analytic"}), ConfigError);
   EXPECT_THROW(run({engine}, {"beauty"}), ConfigError);
   EXPECT_THROW(run({engine}, {"feet", "feet"}), ConfigError);
+  const BenchOptions legless{
+      .engines = {engine}, .sections = {"analytic"}, .quick = true, .robot = scenes::tumbling_body()};
+  EXPECT_THROW(run_bench(legless, [](double) {}), ConfigError);
 }
 
 TEST(RunBench, HoldsWhatWasAskedFor) {
