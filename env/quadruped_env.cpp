@@ -120,6 +120,7 @@ Start QuadrupedEnv::draw_start() const {
 void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
   check_size(kSource, "observation", observation.size(), observation_size());
   Episode& e = episode_;
+  if (extension_ != nullptr && e.begun) extension_->end(*this);
   e.begun = false;  // until all of it has worked
   e.random = Random(seed);
   e.draw = draw(config().randomisation, e.random);
