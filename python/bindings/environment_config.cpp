@@ -26,7 +26,11 @@ std::string mapping_text(nb::handle mapping) {
   const auto keys = nb::borrow<nb::dict>(nb::module_::import_("builtins").attr("dict")(mapping));
   for (const auto& [key, value] : keys) {
     text += text.empty() ? "" : ", ";
-    text += nlohmann::json(nb::str(key).c_str()).dump() + ": " + json_text(value);
+    const std::string name = nb::str(key).c_str();
+    const bool is_list = nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value);
+    if (name == "terrain" && (is_list || (nb::hasattr(value, "tolist") && !nb::isinstance<nb::str>(value))))
+      static_cast<void>(terrain_text(value, "environment"));  // heights: it says what becomes of them
+    text += nlohmann::json(name).dump() + ": " + json_text(value);
   }
   return "{" + text + "}";
 }

@@ -15,7 +15,7 @@ import pytest
 import crossgait
 import crossgait.envs  # registers environments
 from crossgait import ConfigError, Controller, EnvironmentConfig, FunctionPolicy, Policy, StartRanges, Terrain, Walk
-from crossgait.inputs import as_environment, as_policies
+from crossgait.inputs import as_environment, as_policies, as_terrain
 from crossgait.studies.choices import WALK_KEYWORDS
 
 FOLDER = Path(crossgait.models_dir()) / "policies" / "serial_joints"
@@ -213,7 +213,20 @@ WRONG: list[tuple[str, Callable[[], Any], str]] = [
     ("no engine in a list", lambda: crossgait.compare("trot", engines=["mujoco", 3]), r"compare: engine: .*found 3"),
     ("one engine", lambda: crossgait.verdict("trot", engines="mujoco"), r"verdict: engines: expected two or more"),
     ("one engine for two", lambda: crossgait.compare("serial_joints", engines="mujoco"), r"expected two or more"),
-    ("an array for ground", lambda: crossgait.walk("trot", terrain=HEIGHTS), r"Terrain\.from_heights\), found ndarray"),
+    *(
+        (f"an array for ground: {where}", call, r"terrain: .*Terrain\.from_heights\), found (ndarray|list)")
+        for where, call in {
+            "walk": lambda: crossgait.walk("trot", terrain=HEIGHTS),
+            "keywords": lambda: EnvironmentConfig(terrain=HEIGHTS),
+            "a list": lambda: EnvironmentConfig(terrain=HEIGHTS.tolist()),
+            "updated": lambda: EnvironmentConfig().updated(terrain=HEIGHTS),
+            "a mapping": lambda: EnvironmentConfig.from_dict({"terrain": HEIGHTS}),
+            "gymnasium": lambda: gymnasium.make("Crossgait/JointControl-v0", terrain=HEIGHTS),
+            "transfer": lambda: crossgait.transfer("zero", GAIT, terrains=[HEIGHTS]),
+            "a world": lambda: crossgait.World("serial_quadruped", HEIGHTS),
+            "a picture": lambda: as_terrain(HEIGHTS),
+        }.items()
+    ),
     (
         "grounds that are none",
         lambda: crossgait.transfer("zero", GAIT, terrains=[3]),
