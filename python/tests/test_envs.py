@@ -397,3 +397,18 @@ def test_wrappers_work(env_id: str, engine: str) -> None:
     assert info["episode"]["l"] == 20
     assert info["episode"]["r"] == pytest.approx(total)
     assert np.abs(observation).max() < 10  # normalised: some standard deviations
+
+
+def test_environments_say_what_they_are() -> None:
+    from crossgait.sb3 import CrossgaitVecEnv
+
+    said = "serial_quadruped in mujoco, policy steps of 20 ms>"
+    keys: Any = {"engine": "mujoco", "robot": "serial_quadruped", "policy_dt": 0.02}
+    env = gymnasium.make("Crossgait/JointControl-v0", **keys)
+    assert repr(env.unwrapped) == f"<JointControlEnv: {said}"
+    assert f"<JointControlEnv: {said}>" in str(env)  # what wrappers say holds it
+    assert (
+        repr(gymnasium.make_vec("Crossgait/JointControl-v0", num_envs=3, **keys))
+        == f"<JointControlVectorEnv: 3 x {said}"
+    )
+    assert repr(CrossgaitVecEnv("Crossgait/JointControl-v0", 2, **keys)) == f"<CrossgaitVecEnv: 2 x {said}"
