@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "physics/core/error.h"
 #include "physics/core/hash.h"
@@ -79,9 +80,13 @@ std::string terrain_text(nb::handle value, const std::string& source) {
   return terrain.field() == nullptr ? "flat" : terrain_file(terrain);
 }
 
-Terrain terrain_of(nb::handle value, const std::string& source) {
+Terrain terrain_of(nb::handle value, const std::string& source, std::uint64_t seed) {
   const auto text = path_text(value);
-  return text ? make_terrain(*text) : known_terrain(value, source);
+  return text ? make_terrain(*text, seed) : known_terrain(value, source);
+}
+
+void refuse_keywords(const char* name, const nb::kwargs& unknown, const std::vector<std::string>& known) {
+  if (unknown.size() > 0) nb::module_::import_("crossgait.signatures").attr("refuse")(name, unknown, known);
 }
 
 std::string robot_text(nb::handle value, const std::string& source) {

@@ -86,7 +86,7 @@ def test_values_of_numpy_and_paths_are_values(tmp_path: Path) -> None:
     assert env.config.terrain == str(heights)
     assert env.config.policy_dt == 0.02
     with pytest.raises(ConfigError, match="numbers, text, lists"):
-        make(config={"terrain": object()})
+        make(config={"policy_dt": object()})
 
 
 def test_engine_and_terrain_come_on_top(engine: str) -> None:
