@@ -60,10 +60,11 @@ def signature_of(text: str, defaults: tuple[Any, ...] | None = None) -> inspect.
 
 
 def refuse(name: str, unknown: Iterable[str], known: Iterable[str]) -> NoReturn:
-    """Raise TypeError for the first keyword that is none, naming the nearest that is."""
-    key = next(iter(unknown))
-    meant = nearest(key, known)
-    raise TypeError(f"{name}() has no keyword '{key}'" + (f": did you mean '{meant}'?" if meant else ""))
+    """Raise TypeError for the first keyword that is none, naming the nearest that is, or all where none is near."""
+    key, names = next(iter(unknown)), list(known)
+    meant = nearest(key, names)
+    hint = f": did you mean '{meant}'?" if meant else f": it has {', '.join(names)}"
+    raise TypeError(f"{name}() has no keyword '{key}'{hint}")
 
 
 def tell_signatures(module: Any) -> None:
