@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -329,6 +330,13 @@ void QuadrupedEnv::set_changes(std::vector<QuantityChange> changes) {
   world->restore(world_->save());
   world_ = std::move(world);
   changes_ = std::move(changes);
+}
+
+void QuadrupedEnv::forget() {
+  if (extension_ == nullptr) return;
+  if (!std::exchange(changes_, {}).empty() && !config().randomisation.changes_world())
+    world_ = make_world(base_world_);
+  extension_ = config().extension->make();
 }
 
 void QuadrupedEnv::end_episode(bool terminated) {

@@ -341,7 +341,7 @@ def test_a_mistyped_keyword_is_told_what_it_may_mean() -> None:
     ):
         with pytest.raises(TypeError, match=rf"{call.__name__}\(\) has no keyword '{key}': did you mean '{meant}'\?"):
             call(**{key: 1})  # type: ignore[operator]
-    with pytest.raises(TypeError, match=r"walk\(\) has no keyword 'abacus': it has gait, .*"):
+    with pytest.raises(TypeError, match=r"walk\(\) has no keyword 'abacus': it has subject, engine, .*"):
         crossgait.walk(abacus=1)  # type: ignore[call-arg]
 
 

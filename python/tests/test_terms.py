@@ -146,6 +146,23 @@ def test_rewards_of_terms_count_in_rollouts() -> None:
     assert means[0] != means[1]
 
 
+def test_episodes_of_a_rollout_do_not_hang_on_those_before_them() -> None:
+    """Neither a curriculum, nor what was drawn as environments were made, nor parameters pass from one to the next."""
+    levels = Levels()
+    drawing = terms.EventTerm(terms.set_parameters_uniform, "startup", params={"mass": (10.0, 20.0)})
+    mine = of_levels(levels)
+    mass = terms.RewardTerm(lambda env: np.array([one["mass"] for one in env.parameters]))
+    mine = terms.Terms({**mine.rewards, "mass": mass}, events={"start": drawing}, curriculum=mine.curriculum)
+    config = crossgait.with_terms(CONFIG.updated(reward={}), mine)
+    totals = [
+        crossgait.rollout("zero", config, episodes=4, workers=workers).to_frame()["total_reward"].tolist()
+        for workers in (1, 2, 3)
+    ]
+    assert totals[0] == totals[1] == totals[2]
+    assert len(set(totals[0])) == 4  # each episode has drawn its own
+    assert all(100 < total < 200 for total in totals[0])  # ten steps, and nothing of levels
+
+
 def test_a_verdict_judges_a_policy_that_sees_terms() -> None:
     sizes: list[int] = []
 
