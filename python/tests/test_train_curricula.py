@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -52,6 +53,24 @@ class Levels:
 
 class Silent(Levels):
     state = restore = None  # type: ignore[assignment]
+
+
+@dataclass
+class Asked:
+    """Nothing to be called itself."""
+
+    times: int
+
+    def ask(self, env: Batch, indices: np.ndarray) -> None:
+        self.times += 1
+
+
+class Told(Asked):
+    def state(self) -> int:
+        return self.times
+
+    def restore(self, state: int) -> None:
+        self.times = state
 
 
 def slippery(env: Batch, indices: np.ndarray) -> None:
@@ -216,6 +235,13 @@ def test_without_workers_another_ground_of_a_batch_has_its_own_terms(tmp_path: P
 def test_what_would_be_forgotten_is_said() -> None:
     with pytest.raises(ConfigError, match=r"terms: curriculum.level: expected state\(\) and restore\(state\)"):
         rollouts(plan().with_terms(mine(Silent())))
+    # Also of one that is a method.
+    asked = terms.Terms(curriculum={"asked": terms.CurriculumTerm(Asked(0).ask)})
+    with pytest.raises(ConfigError, match=r"curriculum.asked: expected state\(\) and restore\(state\)"):
+        rollouts(plan().with_terms(asked), 1)
+    told = terms.Terms(curriculum={"told": terms.CurriculumTerm(Told(0).ask)})
+    _, envs = rollouts(plan().with_terms(told), 2)
+    assert [part["states"] for part in envs.kept()["parts"]] == [{"curriculum.told": 4}] * 3  # type: ignore[index]
     # One that keeps nothing is as any function.
     nothing = terms.Terms(curriculum={"slippery": terms.CurriculumTerm(terms.set_parameters_uniform)})
     rollouts(plan().with_terms(nothing), 1)

@@ -14,14 +14,20 @@ from crossgait.terms.declarations import Terms
 
 
 def owner_of(function: Callable[..., Any]) -> Any:
-    """The object that a term's function is, or is a method of if that is one to be called as well."""
+    """The object that a term's function is, or is a method of: one to be called as well, or one with a state."""
     owner = getattr(function, "__self__", None)
-    return owner if inspect.ismethod(function) and callable(owner) and not inspect.isclass(owner) else function
+    if not inspect.ismethod(function) or inspect.isclass(owner):
+        return function
+    return owner if callable(owner) or (_has(owner, "state") and _has(owner, "restore")) else function
+
+
+def _has(owner: Any, method: str) -> bool:
+    return callable(getattr(owner, method, None))
 
 
 def remembers(owner: Any) -> bool:
     """Whether it has a memory of its own: a `reset`, or a `state`."""
-    return not inspect.isclass(owner) and any(callable(getattr(owner, name, None)) for name in ("reset", "state"))
+    return not inspect.isclass(owner) and (_has(owner, "reset") or _has(owner, "state"))
 
 
 class Keepers:
@@ -40,12 +46,13 @@ class Keepers:
             if id(owner) in seen:
                 continue
             seen.add(id(owner))
-            if remembers(owner) and callable(getattr(owner, "state", None)):
-                if not callable(getattr(owner, "restore", None)):
+            if remembers(owner) and _has(owner, "state"):
+                if not _has(owner, "restore"):
                     raise ConfigError("terms", place, "a restore(state) beside its state()", type(owner).__name__)
                 self._keepers[place] = owner
             elif place.startswith("curriculum."):
-                self._silent[place] = (owner, _attributes(owner))
+                holder = getattr(owner, "__self__", owner)  # of a method
+                self._silent[place] = (holder, _attributes(holder))
 
     def state(self) -> dict[str, Any]:
         """Copies of the states. Raises ConfigError for what is not plain, and for what has none and has changed."""
