@@ -28,6 +28,8 @@ class EnvExtension {
   EnvExtension(const EnvExtension&) = delete;
   EnvExtension& operator=(const EnvExtension&) = delete;
 
+  /// Is called when an episode is over, by its end or by a reset, before anything of the next is there.
+  virtual void end(QuadrupedEnv& env) = 0;
   /// Is called when an episode has begun, which may be changed before its first observation.
   virtual void begin(QuadrupedEnv& env, std::uint64_t seed) = 0;
   /// Is called when a policy step was made; it is not rewarded yet.

@@ -27,6 +27,7 @@ EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed
   EpisodeSummary s;
   s.seed = seed;
   std::vector<double> observation(env.observation_size()), action(env.action_size());
+  env.forget();  // an episode follows from its seed alone, whoever had which before
   env.reset(seed, observation);
   policy.reset(derived_seed(seed, kPolicyStream));
   StepResult result;

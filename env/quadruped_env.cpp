@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -120,6 +121,7 @@ Start QuadrupedEnv::draw_start() const {
 void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
   check_size(kSource, "observation", observation.size(), observation_size());
   Episode& e = episode_;
+  if (extension_ != nullptr && e.begun) extension_->end(*this);
   e.begun = false;  // until all of it has worked
   e.random = Random(seed);
   e.draw = draw(config().randomisation, e.random);
@@ -328,6 +330,13 @@ void QuadrupedEnv::set_changes(std::vector<QuantityChange> changes) {
   world->restore(world_->save());
   world_ = std::move(world);
   changes_ = std::move(changes);
+}
+
+void QuadrupedEnv::forget() {
+  if (extension_ == nullptr) return;
+  if (!std::exchange(changes_, {}).empty() && !config().randomisation.changes_world())
+    world_ = make_world(base_world_);
+  extension_ = config().extension->make();
 }
 
 void QuadrupedEnv::end_episode(bool terminated) {

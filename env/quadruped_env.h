@@ -124,6 +124,9 @@ class QuadrupedEnv {
   /// Engine::make does
   void set_changes(std::vector<QuantityChange> changes);
   std::span<const QuantityChange> changes() const noexcept { return changes_; }
+  /// Lets the next `reset` begin the first episode again, for the program's terms: what they keep, and what
+  /// they have changed for the episodes that follow, is as at the beginning.
+  void forget();
   /// Ends the episode now: as an outcome would, or as its time would.
   void end_episode(bool terminated);
   /// Writes the first observation anew, of what was set since `reset`. @throws ConfigError for a wrong size,

@@ -13,19 +13,33 @@
 #include "env/env_arrays.h"
 #include "physics/robot/multibody.h"
 #include "python/bindings/arrays.h"
+#include "python/bindings/batch_parameters.h"
 #include "python/bindings/bindings.h"
 #include "python/bindings/busy.h"
 #include "python/bindings/robot.h"
 
 namespace crossgait::python {
 
+std::vector<std::size_t> chosen(const Batch& batch, const Indices& indices) {
+  std::vector<std::size_t> all;
+  if (!indices) {
+    for (std::size_t i = 0; i < batch.size(); ++i) all.push_back(i);
+    return all;
+  }
+  for (const std::size_t i : *indices) {
+    if (i >= batch.size())
+      throw ConfigError(Batch::kSource, "indices", fmt::format("0 to {}", batch.size() - 1),
+                        fmt::format("{}", i));
+    all.push_back(i);
+  }
+  return all;
+}
+
 const void* identity_of(const Batch& batch) noexcept { return batch.owner; }
 
 namespace {
 
-using Indices = std::optional<std::vector<std::size_t>>;
-
-constexpr const char* kSource = "environments";
+constexpr const char* kSource = Batch::kSource;
 
 // A new array of (environments, *shape), to be written by the core alone.
 Batch::Held make_array(std::size_t count, const std::vector<std::size_t>& shape, bool flags) {
@@ -91,20 +105,6 @@ nb::object part_of(Batch& batch, std::size_t k) {
   return view;
 }
 
-std::vector<std::size_t> chosen(const Batch& batch, const Indices& indices) {
-  std::vector<std::size_t> all;
-  if (!indices) {
-    for (std::size_t i = 0; i < batch.size(); ++i) all.push_back(i);
-    return all;
-  }
-  for (const std::size_t i : *indices) {
-    if (i >= batch.size())
-      throw ConfigError(kSource, "indices", fmt::format("0 to {}", batch.size() - 1), fmt::format("{}", i));
-    all.push_back(i);
-  }
-  return all;
-}
-
 // The rows of a matrix, or one row that is everybody's.
 class Rows {
  public:
@@ -164,43 +164,6 @@ void apply_wrench(Batch& batch, const std::string& body, const nb::object& force
              "point");
   for (std::size_t k = 0; k < which.size(); ++k)
     batch.change(which[k]).apply_wrench({index, {forces.vector(k), torques.vector(k)}, points.vector(k)});
-}
-
-// "friction=0.4", "mass=x1.1", "solref=0.005:1" of a number, a text or a list.
-std::string change_text(const std::string& name, nb::handle value) {
-  std::string text;
-  if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) {
-    for (const nb::handle number : value)
-      text += fmt::format("{}{}", text.empty() ? "" : ":", nb::str(number).c_str());
-  } else {
-    text = nb::str(value).c_str();
-  }
-  return fmt::format("{}={}", name, text);
-}
-
-void set_parameters(Batch& batch, const nb::dict& parameters, const Indices& indices) {
-  const std::vector<std::size_t> which = chosen(batch, indices);
-  const nb::object ndarray = nb::module_::import_("numpy").attr("ndarray");
-  for (std::size_t k = 0; k < which.size(); ++k) {
-    std::vector<QuantityChange> changes(batch.at(which[k]).changes().begin(),
-                                        batch.at(which[k]).changes().end());
-    for (const auto& [key, given] : parameters) {
-      const std::string name = nb::cast<std::string>(key);
-      const WorldQuantity& quantity = find_world_quantity(name, kSource);
-      std::erase_if(changes, [&](const QuantityChange& c) { return c.quantity == &quantity; });
-      if (given.is_none()) continue;
-      nb::object value = nb::borrow(given);
-      if (nb::isinstance(value, ndarray)) {
-        const auto each = numbers_of(value);
-        if (each.ndim() != 1 || each.size() != which.size())
-          throw ConfigError(kSource, name, fmt::format("an array of one number for each of {}", which.size()),
-                            nb::repr(value.attr("shape")).c_str());
-        value = nb::cast(each.data()[k]);
-      }
-      changes.push_back(parse_quantity_change(change_text(name, value), kSource));
-    }
-    batch.change(which[k]).set_changes(std::move(changes));
-  }
 }
 
 nb::object jacobian(const Batch& batch, const std::string& body, const nb::object& point) {
@@ -365,6 +328,11 @@ void bind_batch(nb::module_& m) {
            "drawn, None takes a change back, an array has a number for each environment. Worlds are built "
            "anew "
            "and go on as they were. Raises ConfigError, also for physics_dt and delay.")
+      .def_prop_ro(
+          "parameters", guarded(&parameters_of),
+          nb::sig("def parameters(self) -> list[dict[str, typing.Any]]"),
+          "What `set_parameters` has set and not taken back, of each environment: {} of one that is as "
+          "its configuration says.")
       .def("jacobian", guarded(&jacobian), nb::arg("body"), nb::arg("point").none() = nb::none(),
            nb::sig("def jacobian(self, body: str, point: numpy.typing.ArrayLike | None = None) -> "
                    "numpy.typing.NDArray[numpy.float64]"),

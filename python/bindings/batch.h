@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13,8 +14,13 @@
 
 namespace crossgait::python {
 
+/// Says which environments; without it all.
+using Indices = std::optional<std::vector<std::size_t>>;
+
 /// Holds one environment, or all of a vector; its owner outlives it.
 struct Batch {
+  static constexpr const char* kSource = "environments";  // of errors
+
   /// Holds a NumPy array and when it was filled.
   struct Held {
     nanobind::object array;  // read-only
@@ -45,5 +51,8 @@ struct Batch {
     return *single;
   }
 };
+
+/// Returns the numbers of environments. @throws ConfigError for one that is none
+std::vector<std::size_t> chosen(const Batch& batch, const Indices& indices);
 
 }  // namespace crossgait::python

@@ -21,12 +21,20 @@ namespace {
 
 std::string json_text(nb::handle value);
 
+// What stands for a ground or a robot is looked at first: the core would take a number for a name.
+std::string value_text(const std::string& name, nb::handle value) {
+  if (name == "terrain" && !value.is_none()) return nlohmann::json(terrain_text(value, "environment")).dump();
+  if (name == "robot" && !value.is_none()) return nlohmann::json(robot_text(value, "environment")).dump();
+  return json_text(value);
+}
+
 std::string mapping_text(nb::handle mapping) {
   std::string text;
   const auto keys = nb::borrow<nb::dict>(nb::module_::import_("builtins").attr("dict")(mapping));
   for (const auto& [key, value] : keys) {
     text += text.empty() ? "" : ", ";
-    text += nlohmann::json(nb::str(key).c_str()).dump() + ": " + json_text(value);
+    const std::string name = nb::str(key).c_str();
+    text += nlohmann::json(name).dump() + ": " + value_text(name, value);
   }
   return "{" + text + "}";
 }
@@ -35,6 +43,16 @@ std::string list_text(nb::handle list) {
   std::string text;
   for (const nb::handle item : list) text += (text.empty() ? "" : ", ") + json_text(item);
   return "[" + text + "]";
+}
+
+// NumPy's numbers of fewer digits than Python's have those that they were written with: 0.02 of float32 is
+// 0.02.
+nb::object as_written(nb::handle numbers) {
+  const nb::object dtype = nb::getattr(numbers, "dtype", nb::none());
+  if (dtype.is_none() || nb::cast<std::string>(nb::str(dtype.attr("kind"))) != "f" ||
+      nb::cast<int>(dtype.attr("itemsize")) >= 8)
+    return nb::borrow(numbers);
+  return numbers.attr("astype")("str").attr("astype")("float64");
 }
 
 // Python's own values, NumPy's, paths, robots, terrains and engines, as the text that the core reads. @throws
@@ -50,7 +68,7 @@ std::string json_text(nb::handle value) {
   if (nb::isinstance<Terrain>(value)) return nlohmann::json(terrain_text(value, "terrain")).dump();
   if (nb::isinstance<Robot>(value)) return nlohmann::json(robot_text(value, "robot")).dump();
   if (nb::isinstance<EngineListing>(value)) return json_text(value.attr("name"));
-  if (nb::hasattr(value, "tolist")) return json_text(value.attr("tolist")());
+  if (nb::hasattr(value, "tolist")) return json_text(as_written(value).attr("tolist")());
   if (nb::hasattr(value, "__fspath__")) return json_text(value.attr("__fspath__")());
   throw ConfigError("config", nb::repr(value).c_str(), "numbers, text, lists and mappings",
                     nb::cast<std::string>(value.type().attr("__name__")));

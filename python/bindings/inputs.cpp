@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "physics/core/error.h"
 #include "physics/core/hash.h"
@@ -47,6 +48,13 @@ std::string plain(const std::string& name) {
   return text.empty() ? "terrain" : text;
 }
 
+const Terrain& known_terrain(nb::handle value, const std::string& source) {
+  if (nb::isinstance<Terrain>(value)) return nb::cast<const Terrain&>(value);
+  throw ConfigError(source, "terrain",
+                    "a name, a file or a Terrain (an array becomes one by Terrain.from_heights)",
+                    type_called(value));
+}
+
 }  // namespace
 
 std::string terrain_file(const Terrain& terrain) {
@@ -68,17 +76,17 @@ std::string terrain_file(const Terrain& terrain) {
 
 std::string terrain_text(nb::handle value, const std::string& source) {
   if (const auto text = path_text(value)) return *text;
-  if (!nb::isinstance<Terrain>(value))
-    throw ConfigError(source, "terrain",
-                      "a name, a file or a Terrain (an array becomes one by Terrain.from_heights)",
-                      type_called(value));
-  const auto& terrain = nb::cast<const Terrain&>(value);
+  const Terrain& terrain = known_terrain(value, source);
   return terrain.field() == nullptr ? "flat" : terrain_file(terrain);
 }
 
-Terrain terrain_of(const TerrainChoice& choice) {
-  const auto* terrain = std::get_if<Terrain>(&choice);
-  return terrain != nullptr ? *terrain : make_terrain(std::get<std::filesystem::path>(choice).string());
+Terrain terrain_of(nb::handle value, const std::string& source, std::uint64_t seed) {
+  const auto text = path_text(value);
+  return text ? make_terrain(*text, seed) : known_terrain(value, source);
+}
+
+void refuse_keywords(const char* name, const nb::kwargs& unknown, const std::vector<std::string>& known) {
+  if (unknown.size() > 0) nb::module_::import_("crossgait.signatures").attr("refuse")(name, unknown, known);
 }
 
 std::string robot_text(nb::handle value, const std::string& source) {

@@ -1,9 +1,9 @@
 // What Python hands over where the core takes a text: one way for every function that takes it.
 #pragma once
 
-#include <filesystem>
+#include <cstdint>
 #include <string>
-#include <variant>
+#include <vector>
 
 #include <nanobind/nanobind.h>
 
@@ -18,10 +18,18 @@ std::string terrain_text(nanobind::handle value, const std::string& source);
 /// Returns the name or file of a robot, or of a `Robot`. @throws ConfigError likewise
 std::string robot_text(nanobind::handle value, const std::string& source);
 
-/// A terrain, or its name or file.
-using TerrainChoice = std::variant<Terrain, std::filesystem::path>;
-/// @throws ConfigError for one that cannot be read
-Terrain terrain_of(const TerrainChoice& choice);
+/// Takes anything, so that what is no terrain is refused in words of its own; what it says in signatures.
+class TerrainLike : public nanobind::object {
+  NB_OBJECT_DEFAULT(TerrainLike, nanobind::object, "Terrain | str | os.PathLike[str]",
+                    [](const PyObject*) { return true; })
+};
+/// Returns a terrain, or the one of a name or a file; `seed` is of a random one. @throws ConfigError naming
+/// `source` for anything else, and for one that cannot be read
+Terrain terrain_of(nanobind::handle value, const std::string& source, std::uint64_t seed = 0);
+
+/// Refuses keywords that a class has not, naming the nearest of those that it has. @throws TypeError
+void refuse_keywords(const char* name, const nanobind::kwargs& unknown,
+                     const std::vector<std::string>& known);
 
 /// Returns text that `make_terrain` gives back the same field of, to the last bit: a CSV file in the user's
 /// cache (`XDG_CACHE_HOME`, or ~/.cache), named by its contents, which is written unless it is there.

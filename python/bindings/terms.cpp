@@ -63,6 +63,13 @@ class PythonExtension final : public EnvExtension {
     nb::inst_ptr<Batch>(batch_->get())->single = nullptr;
   }
 
+  void end(QuadrupedEnv&) override {
+    if (terms_ == nullptr) return;  // the engine diverged before the episode began
+    const nb::gil_scoped_acquire acquire;
+    ++revision_;
+    terms_->get().attr("end")();
+  }
+
   void begin(QuadrupedEnv& env, std::uint64_t seed) override {
     const nb::gil_scoped_acquire acquire;
     ++revision_;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -17,21 +18,33 @@
 #include <nanobind/stl/tuple.h>
 
 #include "physics/core/error.h"
+#include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/inputs.h"
 
 namespace crossgait::python {
 namespace {
 
-using Heights = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-
-Terrain of_heights(const Heights& heights, double size_x, double size_y, const std::string& name) {
+Terrain of_heights(const nb::object& given, std::optional<double> size_x, std::optional<double> size_y,
+                   const std::string& name) {
+  const auto heights = numbers_of(given);
+  if (heights.ndim() != 2)
+    throw ConfigError(name, "heights", "rows along y of samples along x, two dimensions",
+                      fmt::format("{}", heights.ndim()));
+  if (!size_x || !size_y)
+    throw ConfigError(name, "size_x, size_y", "both, the ground's extent along x and y, m", "one or none");
   const std::size_t rows = heights.shape(0), columns = heights.shape(1);
   if (rows * columns > static_cast<std::size_t>(kMaxHeightSamples))
     throw ConfigError(name, "heights", "at most 4096 x 4096 samples",
                       std::to_string(rows) + " x " + std::to_string(columns));
   return {name, std::make_shared<const HeightField>(
-                    static_cast<int>(columns), static_cast<int>(rows), size_x, size_y,
+                    static_cast<int>(columns), static_cast<int>(rows), *size_x, *size_y,
                     std::vector<float>(heights.data(), heights.data() + rows * columns), name)};
+}
+
+void make(Terrain* self, const TerrainLike& text, std::uint64_t seed, const nb::kwargs& unknown) {
+  refuse_keywords("Terrain", unknown, {"text", "seed"});
+  new (self) Terrain(terrain_of(text, "terrain", seed));
 }
 
 // A view: the owner is the Terrain's Python object, whose field nothing changes.
@@ -46,9 +59,8 @@ nb::object heights_of(nb::handle self) {
       nb::rv_policy::reference);
 }
 
-using Coordinates = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-Eigen::VectorXd height_at(const Terrain& terrain, const Coordinates& x, const Coordinates& y) {
+Eigen::VectorXd height_at(const Terrain& terrain, const nb::object& at_x, const nb::object& at_y) {
+  const auto x = numbers_of(at_x), y = numbers_of(at_y);
   if (x.size() != y.size())
     throw ConfigError("height", "x, y", "as many of one as of the other",
                       std::to_string(x.size()) + " and " + std::to_string(y.size()));
@@ -100,20 +112,21 @@ Terrain of_state(const State& state) {
 void bind_terrain(nb::module_& m) {
   nb::class_<Terrain>(m, "Terrain", "The ground: an infinite plane or a height field. Immutable.")
       .def(
-          "__init__",
-          [](Terrain* self, const std::filesystem::path& text, std::uint64_t seed) {
-            new (self) Terrain(make_terrain(text.string(), seed));
-          },
-          nb::arg("text") = "flat", nb::kw_only(), nb::arg("seed") = 0,
+          "__init__", &make, nb::arg("text") = "flat", nb::kw_only(), nb::arg("seed") = 0, nb::arg("unknown"),
+          nb::sig("def __init__(self, text: Terrain | str | os.PathLike[str] = 'flat', *, seed: int = 0) -> "
+                  "None"),
           "`NAME`, `NAME:key=value,...`, `FILE.png` or `FILE.csv`, as `crossgait terrain --list` shows them. "
           "Raises "
           "ConfigError.")
-      .def_static("from_heights", &of_heights, nb::arg("heights"), nb::kw_only(), nb::arg("size_x"),
-                  nb::arg("size_y"), nb::arg("name") = "heights",
-                  "Makes a terrain of an array of heights in m, rows along y from the smallest, columns "
-                  "along x, centred on "
-                  "the world's "
-                  "origin; its extent is size_x by size_y m.")
+      .def_static(
+          "from_heights", &of_heights, nb::arg("heights"), nb::kw_only(), nb::arg("size_x") = nb::none(),
+          nb::arg("size_y") = nb::none(), nb::arg("name") = "heights",
+          nb::sig("def from_heights(heights: numpy.typing.ArrayLike, *, size_x: float | None = None, size_y: "
+                  "float | None = None, name: str = 'heights') -> Terrain"),
+          "Makes a terrain of an array of heights in m, rows along y from the smallest, columns "
+          "along x, centred on "
+          "the world's "
+          "origin; its extent is size_x by size_y m, which have to be said. Raises ConfigError.")
       .def_prop_ro("name", &Terrain::name, "The text that it was made from.")
       .def_prop_ro("scale", &Terrain::scale, "Says of a file what its samples were taken to measure.")
       .def_prop_ro(
@@ -127,7 +140,10 @@ void bind_terrain(nb::module_& m) {
       .def_prop_ro(
           "heights", &heights_of, nb::sig("def heights(self) -> numpy.typing.NDArray[numpy.float32] | None"),
           "Samples in m, rows along y, columns along x, read-only and without a copy; None of the plane.")
-      .def("height", &height_at, nb::arg("x"), nb::arg("y"), "Heights in m over points of the world, m.")
+      .def("height", &height_at, nb::arg("x"), nb::arg("y"),
+           nb::sig("def height(self, x: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike) -> "
+                   "numpy.typing.NDArray[numpy.float64]"),
+           "Heights in m over points of the world, m.")
       .def(
           "save", [](const Terrain& t, const std::filesystem::path& path) { save(t, path.string()); },
           nb::arg("path"),

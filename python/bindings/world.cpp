@@ -48,14 +48,14 @@ Vector3 vector3(const nb::object& given, const char* what) {
   return {array.data()[0], array.data()[1], array.data()[2]};
 }
 
-std::unique_ptr<PhysicsBackend> make_world(const RobotChoice& chosen, const TerrainChoice& ground,
+std::unique_ptr<PhysicsBackend> make_world(const RobotChoice& chosen, const TerrainLike& ground,
                                            const std::string& engine, std::optional<double> friction,
                                            const std::string& contact, double physics_dt,
                                            const ArrayLike& gravity, bool fixed_base) {
   WorldSpec spec;
   const Robot robot = robot_of(chosen);
   spec.robot = robot.description;
-  spec.terrain = terrain_of(ground);
+  spec.terrain = terrain_of(ground, "world");
   spec.physics_dt = physics_dt;
   spec.gravity = vector3(gravity, "gravity");
   spec.fixed_base = fixed_base;

@@ -20,6 +20,7 @@ with needed_for("environments of rsl_rl", "rsl-rl"):
     from tensordict import TensorDict
 
 from crossgait._core import Batch
+from crossgait.envs.described import described
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_vector_env import same_step_vector
 from crossgait.envs.termed_vector import TermedVectorEnvironment
@@ -85,6 +86,9 @@ class VecEnv(NotCopyable, RslVecEnv):  # type: ignore[misc]  # untyped
         self.cfg: dict[str, Any] = {key: value for key, value in config.to_dict().items() if key != "terms"}
         self._has_critic = bool(mine.observations.get("critic"))
         self._observations = self._groups(vector.reset(seed=seed)[0])
+
+    def __repr__(self) -> str:
+        return described(self, self.vector.config, self.num_envs)
 
     def _is_over(self, env: Batch) -> npt.NDArray[np.bool_]:
         # Asked within a step, before it is counted.

@@ -22,6 +22,7 @@ except ImportError as error:
 
 import crossgait.envs
 from crossgait import _core
+from crossgait.envs.described import described
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_vector_env import same_step_vector
 from crossgait.layout import EnvironmentLayout
@@ -85,6 +86,9 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
         self.core_seconds = 0.0
         super().__init__(num_envs, vector.single_observation_space, vector.single_action_space)
         self.metadata = self.metadata | {"render_fps": vector.metadata["render_fps"]}
+
+    def __repr__(self) -> str:
+        return described(self, self.vector.config, self.num_envs)
 
     def reset(self) -> npt.NDArray[np.float32]:
         """Begin an episode everywhere, by the seed of the last `seed`, if none has used it."""

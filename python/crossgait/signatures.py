@@ -8,7 +8,10 @@ from __future__ import annotations
 import ast
 import inspect
 import re
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, NoReturn
+
+from crossgait.errors import nearest
 
 _DEFAULT = "default_"  #: begins what stands for a default of nanobind's list
 
@@ -54,6 +57,14 @@ def signature_of(text: str, defaults: tuple[Any, ...] | None = None) -> inspect.
         parameters.append(made(argument, inspect.Parameter.KEYWORD_ONLY, node))
     returned = ast.unparse(function.returns) if function.returns else inspect.Signature.empty
     return inspect.Signature(parameters, return_annotation=returned)
+
+
+def refuse(name: str, unknown: Iterable[str], known: Iterable[str]) -> NoReturn:
+    """Raise TypeError for the first keyword that is none, naming the nearest that is, or all where none is near."""
+    key, names = next(iter(unknown)), list(known)
+    meant = nearest(key, names)
+    hint = f": did you mean '{meant}'?" if meant else f": it has {', '.join(names)}"
+    raise TypeError(f"{name}() has no keyword '{key}'{hint}")
 
 
 def tell_signatures(module: Any) -> None:

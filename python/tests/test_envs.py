@@ -86,7 +86,7 @@ def test_values_of_numpy_and_paths_are_values(tmp_path: Path) -> None:
     assert env.config.terrain == str(heights)
     assert env.config.policy_dt == 0.02
     with pytest.raises(ConfigError, match="numbers, text, lists"):
-        make(config={"terrain": object()})
+        make(config={"policy_dt": object()})
 
 
 def test_engine_and_terrain_come_on_top(engine: str) -> None:
@@ -397,3 +397,18 @@ def test_wrappers_work(env_id: str, engine: str) -> None:
     assert info["episode"]["l"] == 20
     assert info["episode"]["r"] == pytest.approx(total)
     assert np.abs(observation).max() < 10  # normalised: some standard deviations
+
+
+def test_environments_say_what_they_are() -> None:
+    from crossgait.sb3 import CrossgaitVecEnv
+
+    said = "serial_quadruped in mujoco, policy steps of 20 ms>"
+    keys: Any = {"engine": "mujoco", "robot": "serial_quadruped", "policy_dt": 0.02}
+    env = gymnasium.make("Crossgait/JointControl-v0", **keys)
+    assert repr(env.unwrapped) == f"<JointControlEnv: {said}"
+    assert f"<JointControlEnv: {said}>" in str(env)  # what wrappers say holds it
+    assert (
+        repr(gymnasium.make_vec("Crossgait/JointControl-v0", num_envs=3, **keys))
+        == f"<JointControlVectorEnv: 3 x {said}"
+    )
+    assert repr(CrossgaitVecEnv("Crossgait/JointControl-v0", 2, **keys)) == f"<CrossgaitVecEnv: 2 x {said}"

@@ -15,7 +15,7 @@ import pytest
 import crossgait
 import crossgait.envs  # registers environments
 from crossgait import ConfigError, Controller, EnvironmentConfig, FunctionPolicy, Policy, StartRanges, Terrain, Walk
-from crossgait.inputs import as_environment, as_policies
+from crossgait.inputs import as_environment, as_policies, as_terrain
 from crossgait.studies.choices import WALK_KEYWORDS
 
 FOLDER = Path(crossgait.models_dir()) / "policies" / "serial_joints"
@@ -213,12 +213,34 @@ WRONG: list[tuple[str, Callable[[], Any], str]] = [
     ("no engine in a list", lambda: crossgait.compare("trot", engines=["mujoco", 3]), r"compare: engine: .*found 3"),
     ("one engine", lambda: crossgait.verdict("trot", engines="mujoco"), r"verdict: engines: expected two or more"),
     ("one engine for two", lambda: crossgait.compare("serial_joints", engines="mujoco"), r"expected two or more"),
-    ("an array for ground", lambda: crossgait.walk("trot", terrain=HEIGHTS), r"Terrain\.from_heights\), found ndarray"),
+    *(
+        (f"an array for ground: {where}", call, r"terrain: .*Terrain\.from_heights\), found (ndarray|list)")
+        for where, call in {
+            "walk": lambda: crossgait.walk("trot", terrain=HEIGHTS),
+            "keywords": lambda: EnvironmentConfig(terrain=HEIGHTS),
+            "a list": lambda: EnvironmentConfig(terrain=HEIGHTS.tolist()),
+            "updated": lambda: EnvironmentConfig().updated(terrain=HEIGHTS),
+            "a mapping": lambda: EnvironmentConfig.from_dict({"terrain": HEIGHTS}),
+            "gymnasium": lambda: gymnasium.make("Crossgait/JointControl-v0", terrain=HEIGHTS),
+            "transfer": lambda: crossgait.transfer("zero", GAIT, terrains=[HEIGHTS]),
+            "a world": lambda: crossgait.World("serial_quadruped", HEIGHTS),
+            "a picture": lambda: as_terrain(HEIGHTS),
+            "a terrain": lambda: Terrain(HEIGHTS),
+        }.items()
+    ),
     (
         "grounds that are none",
         lambda: crossgait.transfer("zero", GAIT, terrains=[3]),
         r"transfer: terrain: .*found int",
     ),
+    ("a robot of a configuration", lambda: EnvironmentConfig(robot=3), r"environment: robot: expected .*found int"),
+    (
+        "a number for ground",
+        lambda: EnvironmentConfig().updated(terrain=3),
+        r"environment: terrain: expected .*found int",
+    ),
+    ("heights without a size", lambda: Terrain.from_heights(HEIGHTS), r"heights: size_x, size_y: expected both"),
+    ("heights of one row", lambda: Terrain.from_heights(HEIGHTS[0], size_x=1, size_y=1), r"two dimensions, found 1"),
     ("a robot that is none", lambda: Walk(robot=3), r"Walk: robot: expected a name, a file or a Robot, found int"),
     ("names that are none", lambda: crossgait.bench(sections=[3]), r"bench: sections: expected names, found 3"),
     ("an unknown check", lambda: crossgait.conformance("mujoco", only="contact"), r"found contact"),
@@ -233,6 +255,38 @@ def test_mistakes_are_named_in_words_of_python(mistake: tuple[str, Callable[[], 
     _, call, message = mistake
     with pytest.raises(ConfigError, match=message):
         call()
+
+
+@pytest.mark.parametrize(
+    ("call", "meant"),
+    [
+        (lambda: Walk(terain="rough"), r"Walk\(\) has no keyword 'terain': did you mean 'terrain'\?"),
+        (lambda: Terrain("rough", sed=1), r"Terrain\(\) has no keyword 'sed': did you mean 'seed'\?"),
+        (lambda: crossgait.walk("trot", secnds=1), r"walk\(\) has no keyword 'secnds': did you mean 'seconds'\?"),
+        (lambda: Walk(colour=1), r"Walk\(\) has no keyword 'colour': it has gait, command, parameters, robot, .*"),
+        (lambda: crossgait.rollout("zero", engine="mujoco"), r"no keyword 'engine': it has policies, environment, .*"),
+    ],
+)
+def test_keywords_say_what_was_meant(call: Callable[[], Any], meant: str) -> None:
+    with pytest.raises(TypeError, match=meant):
+        call()
+
+
+def test_numbers_of_fewer_digits_are_those_that_were_written() -> None:
+    for kind in (np.float16, np.float32, np.float64):
+        config = EnvironmentConfig(policy_dt=kind(0.02), randomisation={"friction": np.array([0.4, 0.8], kind)})
+        assert config.policy_dt == 0.02
+        assert config.randomisation == {"friction": [0.4, 0.8]}
+    assert EnvironmentConfig(terrain_seed=np.int32(3)).terrain_seed == 3
+
+
+def test_heights_are_whatever_numpy_makes_an_array_of() -> None:
+    whole = Terrain.from_heights(HEIGHTS, size_x=1, size_y=2)
+    for given in (HEIGHTS.tolist(), HEIGHTS.astype(np.float64), np.asfortranarray(HEIGHTS)):
+        assert np.array_equal(Terrain.from_heights(given, size_x=1, size_y=2).heights, whole.heights)
+    assert (
+        whole.height([0.1, 0.2], (0, 0.3)).tolist() == whole.height(np.array([0.1, 0.2]), np.array([0, 0.3])).tolist()
+    )
 
 
 def test_one_policy_or_several() -> None:
@@ -287,7 +341,7 @@ def test_a_mistyped_keyword_is_told_what_it_may_mean() -> None:
     ):
         with pytest.raises(TypeError, match=rf"{call.__name__}\(\) has no keyword '{key}': did you mean '{meant}'\?"):
             call(**{key: 1})  # type: ignore[operator]
-    with pytest.raises(TypeError, match=r"walk\(\) has no keyword 'abacus'$"):
+    with pytest.raises(TypeError, match=r"walk\(\) has no keyword 'abacus': it has subject, engine, .*"):
         crossgait.walk(abacus=1)  # type: ignore[call-arg]
 
 

@@ -14,6 +14,7 @@ import training
 import crossgait
 import crossgait.envs
 from crossgait import ConfigError, EnvironmentConfig, _core, terms
+from crossgait.envs.termed_vector import TermedVectorEnvironment
 from crossgait.train import Plan
 from crossgait.train.trainer import Trainer
 
@@ -145,6 +146,23 @@ def test_rewards_of_terms_count_in_rollouts() -> None:
     assert means[0] != means[1]
 
 
+def test_episodes_of_a_rollout_do_not_hang_on_those_before_them() -> None:
+    """Neither a curriculum, nor what was drawn as environments were made, nor parameters pass from one to the next."""
+    levels = Levels()
+    drawing = terms.EventTerm(terms.set_parameters_uniform, "startup", params={"mass": (10.0, 20.0)})
+    mine = of_levels(levels)
+    mass = terms.RewardTerm(lambda env: np.array([one["mass"] for one in env.parameters]))
+    mine = terms.Terms({**mine.rewards, "mass": mass}, events={"start": drawing}, curriculum=mine.curriculum)
+    config = crossgait.with_terms(CONFIG.updated(reward={}), mine)
+    totals = [
+        crossgait.rollout("zero", config, episodes=4, workers=workers).to_frame()["total_reward"].tolist()
+        for workers in (1, 2, 3)
+    ]
+    assert totals[0] == totals[1] == totals[2]
+    assert len(set(totals[0])) == 4  # each episode has drawn its own
+    assert all(100 < total < 200 for total in totals[0])  # ten steps, and nothing of levels
+
+
 def test_a_verdict_judges_a_policy_that_sees_terms() -> None:
     sizes: list[int] = []
 
@@ -264,6 +282,109 @@ def test_curricula_and_remembering_terms_hear_of_episodes() -> None:
         infos = envs.step(np.zeros((2, 12)))[4]
     assert heard == [[0, 1]]
     assert infos["final_info"]["reward_terms"]["steps"].tolist() == [10, 10]
+
+
+class Levels:
+    """A curriculum whose event and reward are methods of it."""
+
+    def __init__(self) -> None:
+        self.level, self.seen = 0, list[tuple[float, float]]()
+
+    def __call__(self, env: Env, indices: np.ndarray) -> None:
+        self.level += len(indices)
+        self.seen += [(float(env.time[i]), float(env.base_position[i, 0])) for i in indices]
+
+    def command(self, env: Env, indices: np.ndarray) -> None:
+        env.set_commands([0.1 * self.level, 0, 0], indices.tolist())
+
+    def own(self, env: Env) -> np.ndarray:
+        return np.full(env.num_envs, self.level)
+
+    def state(self) -> int:
+        return self.level
+
+    def restore(self, state: int) -> None:
+        self.level = state
+
+
+def of_levels(levels: Levels) -> terms.Terms:
+    return terms.Terms(
+        rewards={"own": terms.RewardTerm(levels.own)},
+        events={"command": terms.EventTerm(levels.command)},
+        curriculum={"level": terms.CurriculumTerm(levels)},
+    )
+
+
+def test_curricula_see_the_end_of_episodes_that_made_a_step() -> None:
+    seen: list[list[float]] = []
+
+    def look(env: Env, indices: np.ndarray) -> None:
+        seen.append([round(float(env.time[i]), 6) for i in indices])
+
+    mine = terms.Terms(curriculum={"look": terms.CurriculumTerm(look)})
+    envs = make(2, mine, autoreset_mode="SameStep", max_episode_steps=3)
+    envs.reset(seed=1)
+    envs.reset(seed=1)  # nothing was made of the first
+    for step in range(4):
+        envs.step(drawn(envs, step))
+    envs.reset(seed=2)
+    envs.reset(seed=3)
+    dt = CONFIG.policy_dt
+    assert seen == [[pytest.approx(3 * dt)] * 2, [pytest.approx(dt)] * 2]
+    seen.clear()
+    alone = crossgait.envs.JointControlEnv(CONFIG, terms=mine)
+    alone.reset(seed=1)
+    alone.step(np.zeros(12))
+    alone.step(np.zeros(12))
+    alone.reset(seed=2)
+    assert seen == [[pytest.approx(2 * dt)]]
+
+
+def test_terms_that_are_one_object_are_one_copy_in_each_batch() -> None:
+    levels = Levels()
+    first, second = (make(2, of_levels(levels), autoreset_mode="SameStep", max_episode_steps=2) for _ in range(2))
+    for envs in (first, second):
+        envs.reset(seed=1)
+        rewards = [envs.step(drawn(envs, step))[4]["reward_terms"]["own"].tolist() for step in range(3)]
+        assert rewards == [[0, 0], [0, 0], [2, 2]]  # of the step that ends them none is left
+        assert envs.batch.commands[:, 0].tolist() == pytest.approx([0.2, 0.2])
+    assert levels.level == 0
+    assert not levels.seen
+
+
+def test_what_terms_keep_goes_on_in_other_environments() -> None:
+    drawing = terms.EventTerm(terms.set_parameters_uniform, "startup", params={"friction": (0.3, 0.9)})
+    mine = of_levels(Levels())
+    mine = terms.Terms(mine.rewards, events={**mine.events, "start": drawing}, curriculum=mine.curriculum)
+    first, second = (TermedVectorEnvironment(crossgait.with_terms(CONFIG, mine), 2) for _ in range(2))
+    first.reset(3)
+    first.step(np.zeros((2, 12)))
+    first.batch().set_parameters({"mass": "x1.5", "solref": [0.01, 1], "cone": "pyramidal"}, [1])
+    first.cut_off()
+    kept = first.kept()
+    assert kept["states"] == {"curriculum.level": 2}
+    second.keep(kept)
+    # In worlds of the same parameters the same seed is the same episode, and nothing is drawn anew.
+    assert np.array_equal(second.reset(4), first.reset(4))
+    assert second.batch().parameters == first.batch().parameters == kept["parameters"]
+    assert kept["parameters"][1] | {"friction": 0} == {
+        "friction": 0,
+        "mass": "x1.5",
+        "solref": [0.01, 1],
+        "cone": "pyramidal",
+    }
+    for step in range(4):
+        actions = np.random.default_rng(step).uniform(-1, 1, (2, 12))
+        for a, b in zip(first.step(actions)[:4], second.step(actions)[:4], strict=True):
+            assert np.array_equal(a, b)
+    fresh = TermedVectorEnvironment(crossgait.with_terms(CONFIG, mine), 2)
+    assert not np.array_equal(fresh.reset(4), first.reset(4))
+    with pytest.raises(ConfigError, match="expected 3 environments, found 2"):
+        TermedVectorEnvironment(crossgait.with_terms(CONFIG, mine), 3).keep(kept)
+    other = TermedVectorEnvironment(crossgait.with_terms(CONFIG, terms.Terms(rewards=EVERY.rewards)), 2)
+    other.keep(kept)
+    with pytest.raises(ConfigError, match=r"expected states of none, found curriculum\.level"):
+        other.reset(1)
 
 
 def test_ready_terms_are_what_they_say() -> None:

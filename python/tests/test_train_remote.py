@@ -82,10 +82,12 @@ class Here:
         self._tasks = []
 
 
-def rollouts(made: Plan, count: int = 2, **how: Any) -> tuple[list[np.ndarray], RemoteEnvs]:
+def rollouts(
+    made: Plan, count: int = 2, workers: Callable[..., Any] | None = None, **how: Any
+) -> tuple[list[np.ndarray], RemoteEnvs]:
     """All that `count` rollouts leave with the learner, which learns from each."""
     learner = WholePolicy(made)
-    envs = RemoteEnvs(made, learner, partial(Here, **how))
+    envs = RemoteEnvs(made, learner, workers or partial(Here, **how))
     normalise = normalised(learner.environments(envs), made)
     model = learner.model(made, normalise)
     model.lr_schedule = lambda _: 1e-3
@@ -168,9 +170,6 @@ def test_what_is_wrong_is_said(tmp_path: Path) -> None:
         rollouts(plan(), losses={1: ["crashed"] * 3})
     with pytest.raises(ConfigError, match=r"tiny: block: expected a number of environments"):
         Trainer(plan(block=None), tmp_path, resume=False, workers=Here)
-    curriculum = terms.Terms(curriculum={"harder": terms.CurriculumTerm(lambda env, ids: None)})
-    with pytest.raises(ConfigError, match=r"terms.curriculum: expected none where `block` is said"):
-        rollouts(plan().with_terms(curriculum))
     with pytest.raises(ConfigError, match=r"tiny: block: expected a whole number from 1 or null, found 0"):
         plan(block=0)
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from crossgait import _core
 from crossgait.envs.configuration import ConfigLike, make_config
+from crossgait.envs.described import described
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.render_mode import Drawn, known_camera, known_render_mode
 from crossgait.envs.seeds import episode_seed, refuse_options
@@ -94,6 +95,11 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         self._camera = known_camera(camera)
         self._episode_seed: int | None = None
         self._closed = False
+
+    def __repr__(self) -> str:
+        return described(self, self.config)
+
+    __str__ = __repr__  # which wrappers show
 
     @property
     def config(self) -> _core.EnvironmentConfig:

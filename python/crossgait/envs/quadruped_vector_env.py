@@ -14,6 +14,7 @@ from gymnasium.vector.utils import batch_space
 
 from crossgait import _core
 from crossgait.envs.configuration import ConfigLike, make_config
+from crossgait.envs.described import described
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_env import Observation
 from crossgait.envs.render_mode import Drawn, known_camera, known_render_mode
@@ -137,6 +138,9 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         self._camera = known_camera(camera)
         self._critic_width = group_width(made, "critic")
         self._last: npt.NDArray[np.float64] | None = None
+
+    def __repr__(self) -> str:
+        return described(self, self.config, self.num_envs)
 
     @property
     def config(self) -> _core.EnvironmentConfig:

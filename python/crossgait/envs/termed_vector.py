@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from crossgait import _core
+from crossgait.errors import ConfigError
 from crossgait.terms.declarations import Terms
 from crossgait.terms.running import RunningTerms
 
@@ -39,7 +40,8 @@ class TermedVectorEnvironment:
         self._ended = np.zeros(environments, np.bool_)  # in the last step, and not begun anew
         self._final: list[dict[str, Any] | None] = [None] * environments
         self._final_infos: dict[str, Any] | None = None
-        self._began = False
+        self._going = False  # whether `reset` cuts episodes off
+        self._kept: dict[str, Any] | None = None
         self._own = np.zeros((environments, len(self._core.observation_layout)))
 
     @property
@@ -97,16 +99,34 @@ class TermedVectorEnvironment:
 
     def reset(self, seed: int) -> FloatArray:
         """Begin an episode everywhere."""
+        self.cut_off()
         self._own = self._core.reset(seed)
+        if self._kept is not None:
+            self._terms.keep(self._kept)
+            self._kept = None
+            self._own = self._core.reset(seed)  # in worlds of those parameters
         self._terms.seed(seed)
-        every = np.ones(self.size, np.bool_)
-        if self._began:
-            self._terms.end(np.flatnonzero(every))
-        self._begin(every)
-        self._began = True
+        self._begin(np.ones(self.size, np.bool_))
+        self._going = True
         self._ended[:] = False
         self._final, self._final_infos = [None] * self.size, None
         return self._seen()
+
+    def cut_off(self) -> None:
+        """Tell curricula that all episodes are over which have made a step; those of `reset` follow."""
+        if self._going and (made := np.flatnonzero(self._batch.time > 0)).size:
+            self._terms.end(made)
+        self._going = False
+
+    def kept(self) -> dict[str, Any]:
+        """What terms keep beyond `reset`, in plain values and arrays: see `keep`. Raises ConfigError."""
+        return self._terms.kept()
+
+    def keep(self, kept: dict[str, Any]) -> None:
+        """Let the next `reset` go on from what another one of the same size has `kept`; it may raise ConfigError."""
+        if len(kept["parameters"]) != self.size:
+            raise ConfigError("terms", "restore", f"{self.size} environments", str(len(kept["parameters"])))
+        self._kept = kept
 
     def _begin(self, which: Flags) -> None:
         if self._terms.begin(np.flatnonzero(which)):

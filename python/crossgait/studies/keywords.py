@@ -7,7 +7,7 @@ import inspect
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar
 
-from crossgait.errors import nearest
+from crossgait.signatures import refuse
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -21,10 +21,7 @@ def suggesting(study: Callable[P, R]) -> Callable[P, R]:
     def call(*arguments: P.args, **keywords: P.kwargs) -> R:
         for key in keywords:
             if key not in known:
-                meant = nearest(key, known)
-                raise TypeError(
-                    f"{study.__name__}() has no keyword '{key}'" + (f": did you mean '{meant}'?" if meant else "")
-                )
+                refuse(study.__name__, [key], known)
         return study(*arguments, **keywords)
 
     return call

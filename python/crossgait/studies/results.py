@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from crossgait.errors import ConfigError
@@ -222,7 +223,7 @@ class Transfer(Result):
 
     def _headline(self) -> str:
         engines = dict.fromkeys(cell["engine"] for cell in self.document["cells"])
-        return f"{self.document['policy']} in {', '.join(engines)}"
+        return f"{Path(self.document['policy']).name} in {', '.join(engines)}"
 
 
 @dataclass(frozen=True, repr=False)

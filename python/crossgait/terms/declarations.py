@@ -67,7 +67,10 @@ class EventTerm:
 
 @dataclass(frozen=True)
 class CurriculumTerm:
-    """Calls `function(env, indices, **params)` when the episodes of `indices` have ended, before the next begin."""
+    """Calls `function(env, indices, **params)` when the episodes of `indices` have ended, before the next begin.
+
+    An object that keeps something from rollout to rollout of a training has a `state()` and a `restore(state)`.
+    """
 
     function: Callable[..., Any]
     params: Params = field(default_factory=dict)
@@ -77,9 +80,10 @@ class CurriculumTerm:
 class Terms:
     """Terms by name, beside the tables of the configuration.
 
-    Every function takes `env`, a `crossgait.Batch` of all environments, first. A term may be an object that is called
-    and remembers: it has a `reset(env, indices)`, which is called when episodes begin. Each batch of environments has a
-    copy of it.
+    Every function takes `env`, a `crossgait.Batch` of all environments, first. A term may be an object that is called,
+    or a method of such an object, and remembers: it has a `reset(env, indices)`, called when episodes begin, or a
+    `state()` and `restore(state)` of what it keeps beyond episodes, in plain values and arrays. Each batch of
+    environments has a copy of such an object, the same one for all terms that are it.
 
     Attributes:
         rewards: names are none of the table's.
@@ -113,9 +117,9 @@ class Terms:
             _check_event(name, event)
 
     @property
-    def names(self) -> list[str]:
-        """Of all terms: "rewards.feet_air_time"."""
-        names = []
+    def placed(self) -> list[tuple[str, Any]]:
+        """All terms by their places: "rewards.feet_air_time"."""
+        placed = []
         for each in fields(self):
             members = getattr(self, each.name)
             groups = (
@@ -123,8 +127,13 @@ class Terms:
                 if each.name == "observations"
                 else {each.name: members}
             )
-            names += [f"{place}.{name}" for place, terms in groups.items() for name in terms]
-        return names
+            placed += [(f"{place}.{name}", term) for place, terms in groups.items() for name, term in terms.items()]
+        return placed
+
+    @property
+    def names(self) -> list[str]:
+        """Places of all terms."""
+        return [place for place, _ in self.placed]
 
 
 def _check(place: str, terms: Mapping[str, Any], kind: type) -> None:

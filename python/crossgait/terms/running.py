@@ -13,6 +13,7 @@ import numpy.typing as npt
 from crossgait._core import Batch
 from crossgait.errors import ConfigError
 from crossgait.terms.declarations import ObservationTerm, Terms
+from crossgait.terms.kept import Keepers, owner_of, remembers
 
 FloatArray = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -37,6 +38,8 @@ class RunningTerms:
         # What remembers is of these environments alone.
         self._remembering: list[Any] = []
         self.terms, self.env = self._own(terms), env
+        self._resetting = [owner for owner in self._remembering if callable(getattr(owner, "reset", None))]
+        self._keepers = Keepers(self.terms)
         self.reward_values: dict[str, FloatArray] = {}
         self._count = env.num_envs
         self._started = False
@@ -45,18 +48,22 @@ class RunningTerms:
         self._every_step = [event for event in self.terms.events.values() if event.mode == "step"]
 
     def _own(self, terms: Terms) -> Terms:
+        copies: dict[int, Any] = {}  # one object for all terms that are it
+
         def mine(members: Mapping[str, Any]) -> dict[str, Any]:
-            return {name: self._copied(term) for name, term in members.items()}
+            return {name: self._copied(term, copies) for name, term in members.items()}
 
         observations = {group: mine(members) for group, members in terms.observations.items()}
         parts = (terms.terminations, terms.events, terms.curriculum)
         return Terms(mine(terms.rewards), observations, *map(mine, parts))
 
-    def _copied(self, term: Any) -> Any:
-        if not hasattr(term.function, "reset"):
+    def _copied(self, term: Any, copies: dict[int, Any]) -> Any:
+        if not remembers(owner_of(term.function)):
             return term
-        function = copy.deepcopy(term.function)
-        self._remembering.append(function)
+        function = copy.deepcopy(term.function, copies)
+        owner = owner_of(function)
+        if not any(owner is known for known in self._remembering):
+            self._remembering.append(owner)
         return replace(term, function=function)
 
     def seed(self, seed: int) -> None:
@@ -65,8 +72,8 @@ class RunningTerms:
 
     def begin(self, indices: Indices) -> bool:
         """Episodes of `indices` have begun; return whether events may have changed them."""
-        for function in self._remembering:
-            function.reset(self.env, indices)
+        for owner in self._resetting:
+            owner.reset(self.env, indices)
         changed = False
         for name, event in self.terms.events.items():
             if event.mode == "reset" or (event.mode == "startup" and not self._started):
@@ -148,16 +155,28 @@ class RunningTerms:
             raise ConfigError("terms", place, f"numbers within +-{LARGEST:g}", f"{np.abs(value).max():g}")
         return value
 
+    def kept(self) -> dict[str, Any]:
+        """What goes on from one rollout of a training to the next, in plain values and arrays. Raises ConfigError."""
+        return {"started": self._started, "parameters": self.env.parameters, "states": self._keepers.state()}
+
+    def keep(self, kept: dict[str, Any]) -> None:
+        """Go on from what was `kept`, by others of as many environments, which have begun. Raises ConfigError."""
+        self._started = kept["started"]
+        self._keepers.restore(kept["states"])
+        for i, parameters in enumerate(kept["parameters"]):
+            if parameters:
+                self.env.set_parameters(parameters, [i])
+
     def save(self) -> Any:
         """What the rest depends on."""
-        remembered = [vars(function) for function in self._remembering]
+        remembered = [vars(owner) for owner in self._remembering]
         return copy.deepcopy((self.env.random.bit_generator.state, self._due, self._started, remembered))
 
     def restore(self, saved: Any) -> None:
         """Continue there."""
         state, due, self._started, remembered = copy.deepcopy(saved)
-        for function, attributes in zip(self._remembering, remembered, strict=True):
-            vars(function).update(attributes)
+        for owner, attributes in zip(self._remembering, remembered, strict=True):
+            vars(owner).update(attributes)
         self.env.random.bit_generator.state = state
         for name, times in due.items():
             self._due[name][:] = times
@@ -171,13 +190,13 @@ class EpisodeTerms:
         self.running = RunningTerms(terms, env)
         self._one = np.zeros(1, np.intp)
         self._going = np.ones(1, np.bool_)
-        self._begun = False
+
+    def end(self) -> None:
+        """The episode is over."""
+        self.running.end(self._one)
 
     def begin(self, seed: int) -> None:
         """An episode has begun."""
-        if self._begun:
-            self.running.end(self._one)
-        self._begun = True
         self.running.seed(seed)
         self.running.begin(self._one)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import random
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +23,9 @@ MOST_BYTES = 1 << 30
 
 
 def save(folder: Path, model: PPO, normalise: VecNormalize, state: dict[str, Any]) -> None:
-    """Write policy, optimiser, normalisation, random states and `state`: plain values and tensors alone.
+    """Write policy, optimiser, normalisation, random states and `state`: plain values and arrays alone.
 
-    Environments are no part of it: a rollout begins new episodes by its own seed.
+    Of environments there is what their terms keep: a rollout begins new episodes by its own seed.
     """
     document = {
         "version": VERSION,
@@ -35,7 +36,7 @@ def save(folder: Path, model: PPO, normalise: VecNormalize, state: dict[str, Any
         "observation": _statistics(normalise.obs_rms) if normalise.norm_obs else None,
         "return": _statistics(normalise.ret_rms),
         "random": {"torch": torch.get_rng_state(), "numpy": _numpy_state(), "python": random.getstate()},
-        "state": state,
+        "state": _converted(state, np.ndarray, torch.from_numpy),
     }
     with written_whole(folder / NAME) as beside:
         torch.save(document, beside)
@@ -59,8 +60,19 @@ def load(folder: Path, model: PPO, normalise: VecNormalize) -> dict[str, Any]:
         random.setstate((version, tuple(words), gauss))
     except Exception as error:  # of zip files, pickles, shapes
         raise _not_ours(folder, error) from error
-    state: dict[str, Any] = document["state"]
+    state: dict[str, Any] = _converted(document["state"], torch.Tensor, torch.Tensor.numpy)
     return state
+
+
+def _converted(value: Any, kind: type, into: Callable[[Any], Any]) -> Any:
+    """Plain values with those of `kind` as something else."""
+    if isinstance(value, kind):
+        return into(value)
+    if isinstance(value, dict):
+        return {key: _converted(item, kind, into) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return type(value)(_converted(item, kind, into) for item in value)
+    return value
 
 
 def read(folder: Path) -> dict[str, Any]:

@@ -14,6 +14,8 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvS
 
 from crossgait._core import derived_seed
 from crossgait.envs.not_copyable import NotCopyable
+from crossgait.envs.termed_vector import TermedVectorEnvironment
+from crossgait.errors import ConfigError
 from crossgait.sb3 import CrossgaitVecEnv
 from crossgait.train.keys import COMMAND
 from crossgait.train.plan import Plan, Share, Stage
@@ -21,6 +23,9 @@ from crossgait.train.tally import Tally
 
 #: Engine, what environments meet, and how many there are.
 Dealt = Sequence[tuple[str, Share, int]]
+
+#: What terms keep from one rollout to the next: the `stage`, and by `parts` of its environments what each has kept.
+Kept = dict[str, Any]
 
 _IDS = {"gait": "Crossgait/AdaptiveGait-v0", "joints": "Crossgait/JointControl-v0"}
 _COMMANDS_SEED = 2**32  #: index of the seed that commands are drawn by, beyond any engine's
@@ -48,6 +53,7 @@ class TrainingEnvs(NotCopyable, VecEnv):
         """
         self._plan, self._dealt = plan, dealt
         self._seed = 0
+        self._kept: Kept | None = None  # to go on from
         self._core_seconds = 0.0  # of vector environments of former stages
         self._enter(stage or plan.stages[0])
         first = self._parts[0]
@@ -82,8 +88,34 @@ class TrainingEnvs(NotCopyable, VecEnv):
             self._core_seconds = self.core_seconds
             self.close()
             self._enter(stage)
-        self._seed = seed
+        if self._kept is not None and self._kept["stage"] == stage.index:
+            for part, kept in zip(self._termed(), self._kept["parts"], strict=True):
+                part.keep(kept)
+        self._kept, self._seed = None, seed
         self.tally = Tally(self.num_envs)
+
+    def end(self) -> None:
+        """The rollout is over, and with it all episodes: curricula are told so."""
+        for part in self._termed():
+            part.cut_off()
+
+    def kept(self) -> Kept | None:
+        """What terms keep for the next rollout of this stage; None without terms. Raises ConfigError."""
+        parts = [part.kept() for part in self._termed()]
+        return {"stage": self._stage.index, "parts": parts} if parts else None
+
+    def keep(self, kept: Kept | None) -> None:
+        """Go on with the next `begin` from what others have `kept`, if it is of the same stage.
+
+        Raises ConfigError for that of other terms.
+        """
+        if kept is not None:
+            all_parts = [len(self._dealt or self._plan.shared_out(stage)) for stage in self._plan.stages]
+            check_kept(kept, all_parts if self._termed() else [])
+        self._kept = kept
+
+    def _termed(self) -> list[TermedVectorEnvironment]:
+        return [part.vector.core for part in self._parts if isinstance(part.vector.core, TermedVectorEnvironment)]
 
     def reset(self) -> npt.NDArray[np.float32]:
         """Begin an episode everywhere, by the seed of the last `begin`."""
@@ -144,6 +176,14 @@ class TrainingEnvs(NotCopyable, VecEnv):
     ) -> list[bool]:
         """None is wrapped."""
         return [False for _ in self._get_indices(indices)]
+
+
+def check_kept(kept: Kept, parts: Sequence[int]) -> None:
+    """Raise ConfigError where it is not of so many parts as each stage's environments with terms have."""
+    stage, found = kept["stage"], len(kept["parts"])
+    if stage >= len(parts) or found != parts[stage]:
+        expected = f"what terms keep of {', '.join(map(str, parts))} parts of the environments, by stages"
+        raise ConfigError("terms", "restore", expected, f"of {found} in stage {stage}")
 
 
 class _Commands:

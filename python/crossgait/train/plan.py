@@ -111,21 +111,25 @@ class Plan:
     def with_terms(self, terms: Terms) -> Plan:
         """Return the plan with `terms` in all of its environments, for a `Trainer` of this process.
 
-        The file names them, and so cannot be trained from: functions are in no file. Raises ConfigError, also for a
-        hierarchical policy, whose parts see other observations.
+        Curricula are of training alone: evaluations have the other terms as they began. The file names them, and so
+        cannot be trained from: functions are in no file. Raises ConfigError, also for a hierarchical policy, whose
+        parts see other observations.
         """
         if self.parts:
             raise ConfigError(self.source, "terms", "none of a hierarchical policy", "some")
         changed = self._with_environments(lambda environment: with_terms(environment, terms))
-        return replace(changed, document=self.document | {"terms": terms.names})
+        judged = replace(terms, curriculum={}) if terms.curriculum else terms
+        evaluated = with_terms(self.evaluated, judged)
+        return replace(changed, evaluated=evaluated, document=self.document | {"terms": terms.names})
 
     def without_terms(self) -> tuple[Plan, Terms | None]:
         """Return the plan as its file has it, which can be pickled, and the terms that it was given."""
-        if self.evaluated.terms is None:
+        terms = self.stages[0].environment.terms
+        if terms is None:
             return self, None
         document = {key: value for key, value in self.document.items() if key != "terms"}
         plain = self._with_environments(lambda environment: environment._without_terms())
-        return replace(plain, document=document), self.evaluated.terms
+        return replace(plain, document=document), terms
 
     def _with_environments(self, change: Callable[[EnvironmentConfig], EnvironmentConfig]) -> Plan:
         stages = tuple(

@@ -7,6 +7,7 @@ import pickle
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -22,6 +23,7 @@ from crossgait.envs.spaces import action_space, observation_space
 from crossgait.errors import ConfigError
 from crossgait.layout import EnvironmentLayout
 from crossgait.sweep.executors import Executor, Outcome
+from crossgait.train.environments import Kept, check_kept
 from crossgait.train.learner import Learner, WholePolicy
 from crossgait.train.plan import Plan, Stage
 from crossgait.train.ppo import TimedPPO
@@ -48,15 +50,13 @@ class RemoteEnvs(NotCopyable, VecEnv):
     def __init__(self, plan: Plan, learner: Learner, workers: Workers) -> None:
         """Start the workers. Raises ConfigError."""
         self._plan, self._terms = plan.without_terms()
-        if self._terms is not None and self._terms.curriculum:
-            names = ", ".join(self._terms.curriculum)
-            raise ConfigError(plan.source, "terms.curriculum", "none where `block` is said: rollouts forget", names)
         # With terms there is no hierarchy, and what a worker takes of a learner is its model.
         self._learner = learner if self._terms is None else WholePolicy(self._plan)
         self._stage, self._seed = plan.stages[0], 0
         self._key = hashlib.sha256(pickle.dumps((self._plan, self._learner))).hexdigest()
         self.tally, self.core_seconds, self.lost = Tally(0), 0.0, 0
         self._last: list[Collected] = []
+        self._kept: Kept | None = None
         layout = EnvironmentLayout.of(_core.Environment(plan.stages[0].environment))
         spaces = (observation_space(layout, np.dtype(np.float32)), action_space(layout))
         super().__init__(sum(count for _, _, count in plan.shared_out(self._stage)), *spaces)
@@ -73,7 +73,7 @@ class RemoteEnvs(NotCopyable, VecEnv):
         process crashes again and again.
         """
         begin = time.perf_counter()
-        blocks = blocks_of(self._plan, self._stage.index)
+        blocks = self._blocks()
         self._last = self._collected(blocks, self._given(model, normalise))
         self.core_seconds += time.perf_counter() - begin
         buffer = model.rollout_buffer
@@ -91,6 +91,27 @@ class RemoteEnvs(NotCopyable, VecEnv):
         model._last_obs = normalise.normalize_obs(normalise.old_obs)
         model.num_timesteps += model.n_steps * self.num_envs
         self.tally = Tally.sum_of([collected.tally for collected in self._last])
+        kept = [collected.kept for collected in self._last if collected.kept is not None]
+        if kept:
+            self._kept = {"stage": self._stage.index, "parts": [part for of in kept for part in of["parts"]]}
+
+    def kept(self) -> Kept | None:
+        """What each block's terms keep for its next rollout; None without terms."""
+        return self._kept
+
+    def keep(self, kept: Kept | None) -> None:
+        """Go on from what others have `kept`, if it is of the same stage. Raises ConfigError for another number."""
+        if kept is not None:
+            parts = [len(blocks_of(self._plan, stage.index)) for stage in self._plan.stages]
+            check_kept(kept, [] if self._terms is None else parts)
+        self._kept = kept
+
+    def _blocks(self) -> list[Block]:
+        blocks = blocks_of(self._plan, self._stage.index)
+        if self._kept is None or self._kept["stage"] != self._stage.index:
+            return blocks
+        parts = zip(blocks, self._kept["parts"], strict=True)
+        return [replace(block, kept=self._kept | {"parts": [part]}) for block, part in parts]
 
     def _given(self, model: TimedPPO, normalise: VecNormalize) -> Given:
         observation = None

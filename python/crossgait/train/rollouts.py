@@ -1,8 +1,8 @@
 """What a worker does for a run whose rollouts are collected elsewhere: those of one block of environments.
 
-A block's rollout follows from the plan, the block, the seed and what is given (weights, normalisation) alone, to the
-bit: nothing of it is left in the process that made it, so any other makes it again. Environments are normalised by what
-the learner knew when the rollout began.
+A block's rollout follows from the plan, the block, the seed and what is given (weights, normalisation, what the block's
+terms kept of its last rollout) alone, to the bit: nothing of it is left in the process that made it, so any other makes
+it again. Environments are normalised by what the learner knew when the rollout began.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 from crossgait._core import derived_seed
 from crossgait.errors import ConfigError
 from crossgait.terms import Terms
-from crossgait.train.environments import TrainingEnvs
+from crossgait.train.environments import Kept, TrainingEnvs
 from crossgait.train.learner import Learner
 from crossgait.train.plan import Plan
 from crossgait.train.tally import Tally
@@ -43,6 +43,7 @@ class Block:
     index: int  #: among those of its stage
     part: int  #: of `Plan.shared_out`
     count: int  #: of environments
+    kept: Kept | None = None  #: what its terms kept of its last rollout; None: there was none
 
 
 def blocks_of(plan: Plan, stage: int) -> list[Block]:
@@ -81,6 +82,7 @@ class Collected:
     tally: Tally
     summaries: list[dict[str, Any]]  #: of the episodes that go on
     parameters: list[dict[str, float] | None]
+    kept: Kept | None  #: what terms keep for the block's next rollout
 
 
 def collect(block: Block, given: Given) -> Collected | ConfigError:
@@ -137,20 +139,25 @@ class _Worker:
             self._normalise.obs_rms.mean, self._normalise.obs_rms.var = given.observation
         self._normalise.ret_rms.var = np.asarray(given.reward_variance)
         seed = derived_seed(given.seed, block.index)
+        if block.kept is not None:
+            self._envs.keep(block.kept)
         self._envs.begin(self._stage, seed)
         set_random_seed(derived_seed(seed, _ACTIONS_SEED) % 2**32)
         model = self._model
         model._last_obs = None  # so that new episodes begin
         _, callback = model._setup_learn(model.n_steps * block.count)
         model.collect_rollouts(self._normalise, callback, model.rollout_buffer, model.n_steps)
+        summaries, parameters = self._envs.env_method("summary"), self._envs.get_attr("parameters")
+        self._envs.end()
         return Collected(
             {name: getattr(model.rollout_buffer, name).copy() for name in FIELDS},
             self._seen.observations,
             self._seen.returns,
             np.asarray(self._normalise.get_original_obs()),
             self._envs.tally,
-            self._envs.env_method("summary"),
-            self._envs.get_attr("parameters"),
+            summaries,
+            parameters,
+            self._envs.kept(),
         )
 
 

@@ -104,6 +104,7 @@ class Trainer:
         there = resume and (folder / checkpoint.NAME).exists()
         if there:
             self.state = checkpoint.load(folder, self.model, self.normalise)
+            self.envs.keep(self.state.pop("terms", None))
         self.clock = Clock(self.state["spent"])
         last = self.state["rollout"] if there else None
         self._progress = record.Table(folder / PROGRESS, "rollout", last)
@@ -156,6 +157,8 @@ class Trainer:
         learner += self.model.seconds
         self.state["rollout"] += 1
         row = self._row(stage.index)
+        if isinstance(self.envs, TrainingEnvs):
+            self.envs.end()
         wall = time.perf_counter() - begin
         physics, learner = self.envs.core_seconds - core, learner + self._forward.seconds - forward
         for name, spent in (("physics", physics), ("learner", learner), ("python", wall - physics - learner)):
@@ -202,7 +205,7 @@ class Trainer:
 
     def _save(self) -> None:
         self.state["spent"] = dict(self.clock.spent)
-        checkpoint.save(self.folder, self.model, self.normalise, self.state)
+        checkpoint.save(self.folder, self.model, self.normalise, self.state | {"terms": self.envs.kept()})
 
 
 class _ForwardTime:
