@@ -119,15 +119,21 @@ def _hold(folder: str) -> int:
 
 
 @contextmanager
-def locked_folder(folder: Path) -> Iterator[None]:
-    """Make a folder whose files belong together, and keep others who do so out of it. Raises ConfigError."""
+def locked_folder(folder: Path, expected: str = "one writer at a time", by: str | None = None) -> Iterator[None]:
+    """Make a folder whose files belong together, and keep others who do so out of it. Raises ConfigError.
+
+    The lock is that of the file `by` in it, which is made; without one, the folder's own.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        if by is None:
+            file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        else:
+            file = os.open(folder / by, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
     except OSError as error:
         raise ConfigError(os.fspath(folder), "folder", "one that can be written", str(error.strerror)) from error
     try:
-        lock(file, folder, "folder", "one writer at a time")
+        lock(file, folder, "folder", expected)
         yield
     finally:
         os.close(file)  # and with it the lock

@@ -8,39 +8,29 @@ import platform
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from crossgait import _core
 from crossgait.errors import ConfigError
-from crossgait.files import lock, written_whole
+from crossgait.files import locked_folder, written_whole
 from crossgait.train.plan import Plan
 
-CONFIG, COMMANDS, ENVIRONMENT = "config.yaml", "commands.jsonl", "environment.yaml"
+CONFIG, COMMANDS, ENVIRONMENT, _LOCK = "config.yaml", "commands.jsonl", "environment.yaml", ".lock"
 #: What a run writes in its folder.
 WRITTEN = (
-    *(CONFIG, COMMANDS, ENVIRONMENT, ".lock", "checkpoint.pt", "progress.csv", "evaluations.csv", "card.md"),
+    *(CONFIG, COMMANDS, ENVIRONMENT, _LOCK, "checkpoint.pt", "progress.csv", "evaluations.csv", "card.md"),
     *(f"{name}{ending}" for name in ("best", "last") for ending in (".safetensors", ".yaml")),
 )
 _PACKAGES = ("torch", "stable_baselines3", "gymnasium", "numpy")
 
 
-@contextmanager
-def locked(folder: Path) -> Iterator[None]:
+def locked(folder: Path) -> AbstractContextManager[None]:
     """Make the folder and keep other runs out of it. Raises ConfigError."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        file = os.open(folder / ".lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
-    except OSError as error:
-        raise ConfigError(str(folder), "folder", "one that can be written", str(error.strerror)) from error
-    try:
-        lock(file, folder, "folder", "one run at a time")
-        yield
-    finally:
-        os.close(file)  # and with it the lock
+    return locked_folder(folder, "one run at a time", _LOCK)
 
 
 def begin(folder: Path, plan: Plan, arguments: Sequence[str], *, resume: bool) -> None:
