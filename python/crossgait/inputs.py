@@ -70,7 +70,6 @@ POLICY_TYPES = (str, os.PathLike, FunctionPolicy, PolicyObject)  #: the same, fo
 #: What the core takes for a policy: a text, a function, or a network in memory.
 CorePolicy = str | FunctionPolicy | _core._BundlePolicy
 
-_TERRAIN = "a name, a file or a Terrain (an array becomes one by Terrain.from_heights)"
 ENVIRONMENT = "environment.yaml"  #: beside a policy's file: what it was made for
 #: Policies that run in any environment.
 ANYWHERE = ("zero", "random")
@@ -192,11 +191,7 @@ def as_robot(value: RobotLike) -> Robot:
 
 def as_terrain(value: TerrainLike) -> Terrain:
     """A terrain. Raises ConfigError for what cannot be made."""
-    if isinstance(value, Terrain):
-        return value
-    if isinstance(value, (str, os.PathLike)):
-        return Terrain(value)
-    raise ConfigError("terrain", "terrain", _TERRAIN, type(value).__name__)
+    return value if isinstance(value, Terrain) else Terrain(value)
 
 
 def terrain_texts(values: Any, source: str = "terrains") -> list[str]:
@@ -206,6 +201,7 @@ def terrain_texts(values: Any, source: str = "terrains") -> list[str]:
     texts = []
     for value in [values] if single else values:
         if not isinstance(value, (str, os.PathLike, Terrain)):
-            raise ConfigError(source, "terrain", _TERRAIN, type(value).__name__)
+            expected = "a name, a file or a Terrain (an array becomes one by Terrain.from_heights)"
+            raise ConfigError(source, "terrain", expected, type(value).__name__)
         texts.append(EnvironmentConfig(terrain=value).terrain)
     return texts

@@ -18,16 +18,17 @@ def owner_of(function: Callable[..., Any]) -> Any:
     owner = getattr(function, "__self__", None)
     if not inspect.ismethod(function) or inspect.isclass(owner):
         return function
-    return owner if callable(owner) or (_has(owner, "state") and _has(owner, "restore")) else function
+    return owner if callable(owner) or (has(owner, "state") and has(owner, "restore")) else function
 
 
-def _has(owner: Any, method: str) -> bool:
+def has(owner: Any, method: str) -> bool:
+    """Whether it has such a method."""
     return callable(getattr(owner, method, None))
 
 
 def remembers(owner: Any) -> bool:
     """Whether it has a memory of its own: a `reset`, or a `state`."""
-    return not inspect.isclass(owner) and (_has(owner, "reset") or _has(owner, "state"))
+    return not inspect.isclass(owner) and (has(owner, "reset") or has(owner, "state"))
 
 
 class Keepers:
@@ -46,8 +47,8 @@ class Keepers:
             if id(owner) in seen:
                 continue
             seen.add(id(owner))
-            if remembers(owner) and _has(owner, "state"):
-                if not _has(owner, "restore"):
+            if remembers(owner) and has(owner, "state"):
+                if not has(owner, "restore"):
                     raise ConfigError("terms", place, "a restore(state) beside its state()", type(owner).__name__)
                 self._keepers[place] = owner
             elif place.startswith("curriculum."):

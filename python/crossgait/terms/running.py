@@ -13,7 +13,7 @@ import numpy.typing as npt
 from crossgait._core import Batch
 from crossgait.errors import ConfigError
 from crossgait.terms.declarations import ObservationTerm, Terms
-from crossgait.terms.kept import Keepers, owner_of, remembers
+from crossgait.terms.kept import Keepers, has, owner_of, remembers
 
 FloatArray = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -38,7 +38,7 @@ class RunningTerms:
         # What remembers is of these environments alone.
         self._remembering: list[Any] = []
         self.terms, self.env = self._own(terms), env
-        self._resetting = [owner for owner in self._remembering if callable(getattr(owner, "reset", None))]
+        self._resetting = [owner for owner in self._remembering if has(owner, "reset")]
         self._keepers = Keepers(self.terms)
         self.reward_values: dict[str, FloatArray] = {}
         self._count = env.num_envs
