@@ -28,12 +28,11 @@ Quaternion rotation_of_z_to(const Vector3& axis) {
 }
 
 double levelling_angle(const Vector3& axis, const Vector3& v) {
-  constexpr double kTurn = 2 * M_PI;
   // Rodrigues: z of v turned is A cos + B sin + C.
   const double C = axis.dot(v) * axis.z(), A = v.z() - C, B = axis.cross(v).z(), size = std::hypot(A, B);
   if (size < 1e-9) return 0;  // it stays where it is
   const double middle = std::atan2(B, A), half = std::acos(std::clamp(-C / size, -1.0, 1.0));
-  const double a = std::remainder(middle + half, kTurn), b = std::remainder(middle - half, kTurn);
+  const double a = wrapped(middle + half), b = wrapped(middle - half);
   return std::abs(a) < std::abs(b) ? a : b;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/core/math.h"
 #include "physics/robot/multibody.h"
 #include "physics/robot_files/inference/robot_inference.h"
 #include "physics/robot_files/inference/turn_within.h"
@@ -74,8 +75,8 @@ void place_chain(const RobotDescription& robot, Leg leg, const PlanarChain& c, c
   const Vector2 upper = along * to_foot + side * std::sqrt(across2) * ahead;
   const double turned = turn_about_y(c.upper, upper);
   const double bend = turn_about_y(c.lower, d - upper) - turned;
-  for (const auto& [joint, angle] : {std::pair(c.shoulder, c.shoulder_sign * turned),
-                                     {c.elbow, c.elbow_sign * std::remainder(bend, 2 * M_PI)}}) {
+  for (const auto& [joint, angle] :
+       {std::pair(c.shoulder, c.shoulder_sign * turned), {c.elbow, c.elbow_sign * wrapped(bend)}}) {
     const auto fitting = turn_within(angle, robot.joint(joint));
     if (!fitting)
       refuse(fmt::format("joint '{}' within its limits, {:.3g} to {:.3g} rad, or a `home` in a robot.yaml",
