@@ -30,6 +30,8 @@ double seconds_a_step(PhysicsBackend& world) {
   return std::chrono::duration<double>(Clock::now() - begin).count() / kSteps;
 }
 
+bool is_served(const std::string& engine) { return engine.starts_with(kServedPrefix); }
+
 std::string rounded(double seconds) {
   constexpr double kMinute = 60, kHour = 3600, kInMinutes = 120, kInHours = 7200;
   if (seconds >= kInHours) return fmt::format("{:.1f} h", seconds / kHour);
@@ -44,7 +46,7 @@ void note_cost(const std::vector<std::string>& engines, const WorldSpec& world, 
   constexpr double kWorthSaying = 10, kMilli = 1e-3;
   const double steps = seconds / world.physics_dt;
   for (const std::string& engine : engines) {
-    if (!engine.starts_with(kServedPrefix)) continue;
+    if (!is_served(engine)) continue;
     const double step = seconds_a_step(*make_world(engine, world));
     if (step * steps < kWorthSaying) continue;
     print_notes({fmt::format("{} takes {:.1f} ms a step: about {} for the {:.0f} steps of {}", engine,
@@ -58,8 +60,7 @@ void note_cost(const std::vector<std::string>& engines, const WorldSpec& world, 
 
 void note_cost(const std::vector<std::string>& engines, const LoadedEnv& environment, double seconds,
                std::size_t motions, std::string_view what) {
-  if (std::ranges::none_of(engines, [](const std::string& name) { return name.starts_with(kServedPrefix); }))
-    return;
+  if (std::ranges::none_of(engines, is_served)) return;
   const double each = environment.config.settle_seconds + seconds;
   note_cost(engines, EnvModel::make(environment)->world, each * static_cast<double>(motions), what);
 }

@@ -73,7 +73,7 @@ std::vector<std::string> chosen_engines(const std::vector<std::string>& asked, b
 double seconds_of(const LoadedBehaviour& behaviour) {
   if (const auto* walk = std::get_if<LoadedWalk>(&behaviour.what))
     return walk->config.timing.settle_seconds + walk->config.timing.seconds;
-  const EnvConfig& config = std::get_if<LoadedPolicy>(&behaviour.what)->model->loaded().config;
+  const EnvConfig& config = std::get_if<LoadedPolicy>(&behaviour.what)->model->config;
   return config.settle_seconds + config.episode_seconds;
 }
 
