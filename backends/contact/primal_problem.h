@@ -35,9 +35,8 @@ class PrimalProblemOf {
   /// @param coupled  sets of dofs: those of the rows that will be added, and of the loops
   PrimalProblemOf(int dofs, const std::vector<std::vector<int>>& coupled, double friction);
 
-  /// Begins without any row. @param inertia  1 + E E', of the pattern of `coupled`
-  /// @param loops                            E: dofs x rows. Both have to stay as they are until `solve` is
-  /// done
+  /// Begins without any row. Both have to stay as they are until `solve` is done.
+  /// @param inertia  1 + E E', of the pattern of `coupled`  @param loops  E: dofs x rows
   void begin(const SparseSymmetric& inertia, const Eigen::MatrixXd& loops) noexcept;
   /// Adds a contact, up to kMaxContacts.
   /// @param dofs  that it moves, rising; has to stay as it is until `solve` is done

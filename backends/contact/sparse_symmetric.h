@@ -22,9 +22,8 @@ class SparseSymmetric {
   void set_identity() noexcept;
   /// Copies a matrix of the same size and pattern.
   void copy_values(const SparseSymmetric& other) noexcept;
-  /// Adds E' E, whose entries lie within the pattern. @param E  3 x size, of which the columns `dofs`
-  /// (rising)
-  ///                                                            alone are read
+  /// Adds E' E, whose entries lie within the pattern.
+  /// @param dofs  rising  @param E  3 x size, of which those columns alone are read
   void add_products(std::span<const int> dofs, const PointJacobian& E) noexcept;
   /// Returns an entry, row >= column.
   double& at(int row, int column) noexcept {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/contact/cone_solver.h"
+#include "tests/backends/contact/loop_inertia.h"
 
 namespace crossgait::contact {
 namespace {
@@ -51,13 +52,7 @@ const std::vector<int>& all_dofs() {
 
 Solution solve(const Case& c, const DofVector& guess = DofVector::Zero(kDofs)) {
   PrimalProblem problem(kDofs, {all_dofs()}, c.friction);
-  SparseSymmetric inertia(kDofs, {all_dofs()});
-  inertia.set_identity();
-  for (Eigen::Index k = 0; k < c.loops.cols(); ++k) {
-    PointJacobian row = PointJacobian::Zero(3, kDofs);
-    row.row(0) = c.loops.col(k).transpose();
-    inertia.add_products(all_dofs(), row);
-  }
+  const SparseSymmetric inertia = loop_inertia({all_dofs()}, c.loops);
   problem.begin(inertia, c.loops);
   for (const Case::Contact& contact : c.contacts)
     problem.add_contact(all_dofs(), contact.Z, contact.R, contact.b);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/contact/cone_solver.h"
+#include "tests/backends/contact/loop_inertia.h"
 
 namespace crossgait::contact {
 namespace {
@@ -49,14 +50,11 @@ Drawn draw(const Machine& machine, std::mt19937& random, int contacts, int bound
   Drawn drawn;
   drawn.contacts = contacts;
   drawn.loops = Eigen::MatrixXd::Zero(Machine::kDofs, loops);
-  drawn.held = std::make_unique<SparseSymmetric>(Machine::kDofs, machine.coupled);
-  drawn.held->set_identity();
   for (int k = 0; k < loops; ++k) {
-    const std::vector<int>& dofs = machine.coupled[5 + static_cast<std::size_t>(k % 2)];
-    PointJacobian row = PointJacobian::Zero(3, Machine::kDofs);
-    for (const int dof : dofs) row(0, dof) = drawn.loops(dof, k) = normal(random);
-    drawn.held->add_products(dofs, row);
+    for (const int dof : machine.coupled[5 + static_cast<std::size_t>(k % 2)])
+      drawn.loops(dof, k) = normal(random);
   }
+  drawn.held = std::make_unique<SparseSymmetric>(loop_inertia(machine.coupled, drawn.loops));
   drawn.held->factor();
   problem.begin(loops > 0 ? drawn.held.get() : nullptr);
   const int rows = 3 * contacts + bounded;
