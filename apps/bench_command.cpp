@@ -21,28 +21,33 @@ namespace {
 using nlohmann::ordered_json;
 
 struct BenchCommand {
-  benchmarks::BenchOptions bench;
+  std::vector<std::string> engines, sections;
+  bool quick = false;
   std::string robot = "scara_quadruped", from, compare;
   double worse_than = 1.25;
   PageOption page;
   JsonOption json;
 };
 
+std::vector<std::string> engines_of(const BenchCommand& options) {
+  return options.engines.empty() ? available_engines() : options.engines;
+}
+
 ordered_json measure(const BenchCommand& options) {
-  benchmarks::BenchOptions bench = options.bench;
-  if (bench.engines.empty()) bench.engines = available_engines();
-  bench.robot = std::make_shared<const RobotDescription>(load_robot(find_robot(options.robot)));
+  const benchmarks::BenchOptions bench{
+      .engines = engines_of(options),
+      .sections = options.sections,
+      .quick = options.quick,
+      .robot = std::make_shared<const RobotDescription>(load_robot(find_robot(options.robot)))};
   ProgressLine progress("measuring");
   return benchmarks::run_bench(bench, [&](double share) { progress.update(share); });
 }
 
 Provenance provenance_of(const BenchCommand& options) {
   if (!options.from.empty()) return options.json.provenance();  // it says itself what it was measured with
-  const std::vector<std::string> engines =
-      options.bench.engines.empty() ? available_engines() : options.bench.engines;
   ResultInputs inputs = of_robot(load_robot(find_robot(options.robot)));
-  inputs.engines = engines;
-  inputs.chosen["--engines"] = engines;
+  inputs.engines = engines_of(options);
+  inputs.chosen["--engines"] = inputs.engines;
   return options.json.provenance(inputs);
 }
 
@@ -90,15 +95,15 @@ void add_bench_command(CLI::App& program, Invocation& invocation) {
       "  crossgait bench --from result.json --report result.html");
   auto options = std::make_shared<BenchCommand>();
   CLI::Option* quick =
-      command->add_flag("--quick", options->bench.quick, "Fewer repetitions: under a minute");
+      command->add_flag("--quick", options->quick, "Fewer repetitions: under a minute");
   CLI::Option* only =
       command
-          ->add_option("--only", options->bench.sections,
+          ->add_option("--only", options->sections,
                        "Measure only this: speed, accuracy, analytic or feet; may be repeated")
           ->delimiter(',');
   CLI::Option* engine =
       command
-          ->add_option("--engines,--engine", options->bench.engines,
+          ->add_option("--engines,--engine", options->engines,
                        "Engines, comma-separated or repeated; all that are built in by default. Times are "
                        "compared to the first one's")
           ->delimiter(',');

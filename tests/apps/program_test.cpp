@@ -39,6 +39,14 @@ TEST(Program, HelpTeachesEveryCommand) {
   EXPECT_EQ(run_program("fly").exit_code, 2);
 }
 
+// A robot that is read before it is asked for costs every command its time, and fails all if it is not there.
+TEST(Program, StartsWithoutReadingARobot) {
+  std::filesystem::create_directories("no_models/robots");
+  for (const char* arguments : {"--help", "bench --help", "engines"})
+    EXPECT_EQ(run_program(arguments, "CROSSGAIT_DATA=no_models ").exit_code, 0) << arguments;
+  EXPECT_EQ(run_program("walk --seconds 0.1", "CROSSGAIT_DATA=no_models ").exit_code, 2);
+}
+
 TEST(Program, TakesWhatPeopleTypeForHelpAndVersion) {
   const ProgramResult help = run_program("--help"), walk = run_program("walk --help"),
                       version = run_program("--version");
