@@ -8,6 +8,7 @@
 
 #include "backends/registry.h"
 #include "env/evaluation.h"
+#include "physics/core/heading.h"
 #include "physics/core/random.h"
 #include "study/rollout.h"
 
@@ -44,7 +45,7 @@ class WalkMeter {
     tilt_squares_ += rpy.x() * rpy.x() + rpy.y() * rpy.y();
     if (leaned_after_ == 0 && std::hypot(rpy.x(), rpy.y()) > kLean) leaned_after_ = steps_;
     if (env.info().time < kSetOffSeconds) return;
-    const Vector3 velocity = in_heading_frame(state.v_WB, rpy.z());
+    const Vector3 velocity = Heading(state.q_WB).components(state.v_WB);
     vx_ += velocity.x();
     vy_ += velocity.y();
     yaw_rate_ += state.w_WB.z();

@@ -11,6 +11,7 @@
 #include "gait/scale.h"
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
+#include "physics/core/heading.h"
 
 namespace crossgait {
 namespace {
@@ -73,7 +74,7 @@ void put(double*& out, const JointVector& values, std::span<const int> joints) {
 }
 
 const RobotState& state(const Source& s) { return s.world.state(); }
-double yaw(const Source& s) { return roll_pitch_yaw(state(s).q_WB).z(); }
+double yaw(const Source& s) { return yaw_of(state(s).q_WB); }
 
 Vector3 in_base(const Source& s, const Vector3& v_W) { return state(s).q_WB.conjugate() * v_W; }
 

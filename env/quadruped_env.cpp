@@ -9,17 +9,12 @@
 #include "motion/gait_source.h"
 #include "physics/core/check_size.h"
 #include "physics/core/error.h"
+#include "physics/core/heading.h"
 
 namespace crossgait {
 namespace {
 
 constexpr std::string_view kSource = "environment";
-
-// Components of a horizontal vector in a frame turned by `yaw`; z as it is.
-Vector3 in_heading(const Vector3& v, double yaw) noexcept {
-  const double c = std::cos(yaw), s = std::sin(yaw);
-  return {c * v.x() + s * v.y(), c * v.y() - s * v.x(), v.z()};
-}
 
 std::variant<GaitControl, JointControl> make_control(const EnvModel& model) {
   if (model.config.action == ActionKind::kGait) return GaitControl(model);
@@ -230,9 +225,8 @@ void QuadrupedEnv::measure() {
       e.parameters[i] = controller->parameters().*controller->adapted()[i].member;
   }
   if (e.steps == 0) e.last_parameters = e.parameters;
-  e.info.roll_pitch_yaw = roll_pitch_yaw(state.q_WB);
-  e.info.roll_pitch_yaw.z() = wrapped(e.info.roll_pitch_yaw.z() - statistics.start_yaw());
-  const Vector3 moved = in_heading(state.p_WB - statistics.start(), statistics.start_yaw());
+  e.info.roll_pitch_yaw = statistics.roll_pitch_yaw();
+  const Vector3 moved = statistics.start_heading().components(state.p_WB - statistics.start());
   e.info.distance = moved.x();
   e.info.lateral = moved.y();
   e.info.outcome = statistics.worst();
@@ -247,8 +241,8 @@ double QuadrupedEnv::evaluate(const RobotState& before, const MotionIntegrals& d
       .dt = config().policy_dt,
       .before = before,
       .after = after,
-      .v_start = in_heading(after.v_WB, statistics.start_yaw()),
-      .v_heading = in_heading(after.v_WB, statistics.start_yaw() + e.info.roll_pitch_yaw.z()),
+      .v_start = statistics.start_heading().components(after.v_WB),
+      .v_heading = Heading(after.q_WB).components(after.v_WB),
       .roll_pitch_yaw = e.info.roll_pitch_yaw,
       .height = after.p_WB.z() - world.terrain.height(after.p_WB.x(), after.p_WB.y()),
       .standing_height = statistics.begin_height(),

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/core/heading.h"
+
 namespace crossgait {
 
 double HeadingHoldState::update(const HeadingHold& options, const RobotState& state, double commanded,
                                 double dt) noexcept {
   if (!options.on) return 0;
-  const double heading = roll_pitch_yaw(state.q_WB).z();
+  const double heading = yaw_of(state.q_WB);
   if (!wanted_) wanted_ = heading;
   const double behind = wrapped(*wanted_ - heading);
   *wanted_ += commanded * dt;

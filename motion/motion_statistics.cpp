@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/robot/actuator.h"
 #include "physics/robot/hips.h"
 
 namespace crossgait {
@@ -32,7 +31,6 @@ bool MotionSummary::failed() const noexcept {
 MotionStatistics::MotionStatistics(const RobotDescription& robot, const OutcomeLimits& limits)
     : limits_(limits),
       servos_(robot.actuated_joints()),
-      q_(JointVector::Zero(robot.joint_count())),
       qd_(JointVector::Zero(robot.joint_count())),
       loop_gaps_(std::make_shared<const LoopGaps>(robot)),
       hip_middle_(hip_middle(robot)),
@@ -42,12 +40,13 @@ MotionStatistics::MotionStatistics(const RobotDescription& robot, const OutcomeL
 void MotionStatistics::begin(const PhysicsBackend& world, double standing_height) noexcept {
   const RobotState& s = world.state();
   t_ = {};
-  q_ = s.q;
   qd_ = s.qd;
   t_.weight = mass_ * world.spec().gravity.norm();
   t_.standing_hip_height = standing_height + hip_middle_.z();
   t_.start = t_.piece_start = t_.last_position = s.p_WB;
-  t_.start_yaw = t_.course_yaw = crossgait::roll_pitch_yaw(s.q_WB).z();
+  t_.start_yaw = yaw_of(s.q_WB);
+  t_.start_heading = t_.course = Heading(s.q_WB);
+  see_attitude(s);
   t_.height = t_.begin_height = s.p_WB.z() - world.spec().terrain.height(s.p_WB.x(), s.p_WB.y());
 }
 
@@ -85,18 +84,16 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
 }
 
 void MotionStatistics::add_torques(const PhysicsBackend& world, double h) noexcept {
-  const JointVector &torques = world.torques(), &qd = world.state().qd;
+  // As they were in this step: torques are of the state before it.
+  const JointVector &torques = world.torques(), &servo = world.servo_torques(), &qd = world.state().qd;
   double power = 0, squares = 0;
   for (const int i : servos_) {
-    // As it was in this step: torques are of the state before it.
-    const double servo = torques[i] - passive_torque(world.robot().joint(i), q_[i], qd_[i]);
-    power += std::abs(servo * (qd_[i] + qd[i]) / 2);
+    power += std::abs(servo[i] * (qd_[i] + qd[i]) / 2);
     squares += torques[i] * torques[i];
   }
   t_.integrals.seconds += h;
   t_.integrals.work += power * h;
   t_.integrals.torque_squares += squares * h;
-  q_ = world.state().q;
   qd_ = qd;
 }
 
@@ -118,9 +115,13 @@ void MotionStatistics::add_control_step(const PhysicsBackend& world, const Contr
 }
 
 void MotionStatistics::add_attitude(const PhysicsBackend& world) noexcept {
-  t_.roll_pitch_yaw = crossgait::roll_pitch_yaw(world.state().q_WB);
+  see_attitude(world.state());
   t_.roll_squares += t_.roll_pitch_yaw.x() * t_.roll_pitch_yaw.x();
   t_.pitch_squares += t_.roll_pitch_yaw.y() * t_.roll_pitch_yaw.y();
+}
+
+void MotionStatistics::see_attitude(const RobotState& state) noexcept {
+  t_.roll_pitch_yaw = crossgait::roll_pitch_yaw(state.q_WB);
   t_.roll_pitch_yaw.z() = wrapped(t_.roll_pitch_yaw.z() - t_.start_yaw);
 }
 
@@ -142,15 +143,14 @@ void MotionStatistics::add_command(const PhysicsBackend& world, const ControlTar
   const VelocityCommand& asked = *targets.velocity;
   // A turn may fall short of what was asked for: then the robot goes where it faces. Without one it is to
   // keep the heading that it has.
-  if (asked.yaw_rate != 0) t_.course_yaw = t_.start_yaw + t_.roll_pitch_yaw.z();
-  const double c = std::cos(t_.course_yaw), sn = std::sin(t_.course_yaw);
+  if (asked.yaw_rate != 0) t_.course = Heading(world.state().q_WB);
   const double speed = std::hypot(asked.vx, asked.vy);
   t_.commanded_path += speed * dt;
   t_.commanded_turn += std::abs(asked.yaw_rate) * dt;
   if (speed > 0) {
-    const double forward = c * moved.x() + sn * moved.y(), left = c * moved.y() - sn * moved.x();
-    t_.achieved_path += (forward * asked.vx + left * asked.vy) / speed;
-    t_.strayed_path += (left * asked.vx - forward * asked.vy) / speed;
+    const Vector3 way = t_.course.components(moved);  // forward, left
+    t_.achieved_path += (way.x() * asked.vx + way.y() * asked.vy) / speed;
+    t_.strayed_path += (way.y() * asked.vx - way.x() * asked.vy) / speed;
   }
   if (asked.yaw_rate != 0)
     t_.achieved_turn += std::copysign(1.0, asked.yaw_rate) * wrapped(t_.roll_pitch_yaw.z() - last_yaw);
@@ -181,13 +181,14 @@ double MotionStatistics::hip_height(const PhysicsBackend& world) const noexcept 
 
 void MotionStatistics::moved(const PhysicsBackend& world) noexcept {
   const RobotState& s = world.state();
-  q_ = s.q;
   qd_ = s.qd;
-  const double last_yaw = t_.start_yaw + t_.roll_pitch_yaw.z(), yaw = crossgait::roll_pitch_yaw(s.q_WB).z();
-  t_.start_yaw += yaw - last_yaw;
-  t_.course_yaw += yaw - last_yaw;
+  const double turned = yaw_of(s.q_WB) - (t_.start_yaw + t_.roll_pitch_yaw.z());
+  t_.start_yaw += turned;
+  t_.start_heading = Heading(t_.start_yaw);
+  t_.course = t_.course.turned(turned);
+  see_attitude(s);
   // What was behind it stays behind it.
-  const Eigen::AngleAxisd turn(yaw - last_yaw, Vector3::UnitZ());
+  const Eigen::AngleAxisd turn(turned, Vector3::UnitZ());
   t_.start = s.p_WB - turn * (t_.last_position - t_.start);
   t_.piece_start = s.p_WB - turn * (t_.last_position - t_.piece_start);
   t_.last_position = s.p_WB;
@@ -252,13 +253,12 @@ std::optional<double> MotionStatistics::loaded_fraction(const LegArray<Swing>& l
 MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
   MotionSummary m;
   const RobotState& s = world.state();
-  const Vector3 moved = s.p_WB - t_.start;
-  const double c = std::cos(t_.start_yaw), sn = std::sin(t_.start_yaw);
   m.first_at_s = t_.first_at_s;
-  m.distance_m = c * moved.x() + sn * moved.y();
-  m.lateral_m = -sn * moved.x() + c * moved.y();
+  const Vector3 way = t_.start_heading.components(s.p_WB - t_.start);
+  m.distance_m = way.x();
+  m.lateral_m = way.y();
   m.path_m = t_.path + (s.p_WB - t_.piece_start).head<2>().norm();
-  m.yaw_rad = wrapped(crossgait::roll_pitch_yaw(s.q_WB).z() - t_.start_yaw);
+  m.yaw_rad = wrapped(yaw_of(s.q_WB) - t_.start_yaw);
   m.final_position_m = s.p_WB;
   m.simulated_seconds = t_.time;
   m.physics_steps = t_.physics_steps;

@@ -10,6 +10,7 @@
 
 #include "motion/controller.h"
 #include "motion/outcome.h"
+#include "physics/core/heading.h"
 #include "physics/engine/physics_backend.h"
 #include "physics/robot/loop_gap.h"
 
@@ -109,7 +110,8 @@ class MotionStatistics {
   bool any(const OutcomeSet& terminations) const noexcept;
   /// Returns roll, pitch, and yaw since the beginning, after the last control step, rad.
   const Vector3& roll_pitch_yaw() const noexcept { return t_.roll_pitch_yaw; }
-  double start_yaw() const noexcept { return t_.start_yaw; }
+  /// Returns where the robot faced when the motion began.
+  const Heading& start_heading() const noexcept { return t_.start_heading; }
   /// Returns the height of the base over the ground when the motion began, settled, m.
   double begin_height() const noexcept { return t_.begin_height; }
   double weight() const noexcept { return t_.weight; }  ///< of the robot, N
@@ -124,6 +126,7 @@ class MotionStatistics {
  private:
   void add_torques(const PhysicsBackend& world, double h) noexcept;
   void add_attitude(const PhysicsBackend& world) noexcept;
+  void see_attitude(const RobotState& state) noexcept;
   void add_path(const PhysicsBackend& world, double dt) noexcept;
   void add_command(const PhysicsBackend& world, const ControlTargets& targets, double last_yaw,
                    double dt) noexcept;
@@ -135,7 +138,7 @@ class MotionStatistics {
 
   OutcomeLimits limits_;
   std::vector<int> servos_;
-  JointVector q_, qd_;                         // of joints, before the next physics step
+  JointVector qd_;                             // of joints, before the next physics step
   std::shared_ptr<const LoopGaps> loop_gaps_;  // the same for all copies
   Vector3 hip_middle_;                         // in the base's frame
   double leg_length_, mass_;
@@ -153,6 +156,7 @@ class MotionStatistics {
     double standing_hip_height = 0;  ///< of the hips' middle over the ground where it was put down
     double begin_height = 0;         ///< of the base over the ground, settled
     double start_yaw = 0;
+    Heading start_heading;
     Vector3 start = Vector3::Zero();  ///< of the base
 
     // As of the last control step.
@@ -182,7 +186,7 @@ class MotionStatistics {
     double stance_path = 0;  ///< of the speed of the base, once for every such foot
 
     // What the velocity command asked for, and what came of it.
-    double course_yaw = 0;  ///< heading that the command is meant in: the last in which a turn was asked for
+    Heading course;  ///< that the command is meant in: where it faced when last a turn was asked for
     Vector3 last_position = Vector3::Zero();       ///< of the base, before this control step
     double commanded_path = 0, achieved_path = 0;  ///< `achieved_` in the direction of the command
     double strayed_path = 0;                       ///< to the left of that

@@ -8,6 +8,7 @@
 
 #include "env/reward.h"
 #include "gait/parameters.h"
+#include "physics/core/heading.h"
 #include "report/motion_document.h"
 
 namespace crossgait {
@@ -127,7 +128,7 @@ void PanelMaker::add_base() {
     for (const std::size_t row : frames_[run].rows) {
       const RobotState& state = motion_.runs[run].samples[row].state;
       const Vector3 rpy = roll_pitch_yaw(state.q_WB);
-      const Vector3 velocity = in_heading_frame(state.v_WB, rpy.z());
+      const Vector3 velocity = Heading(state.q_WB).components(state.v_WB);
       add_unwrapped(roll.back().values, kDegreesPerRadian * rpy.x());
       pitch.back().values.push_back(kDegreesPerRadian * rpy.y());
       forward.back().values.push_back(velocity.x());

@@ -49,11 +49,6 @@ inline double wrapped(double angle) noexcept {
 }
 /// Inverts `roll_pitch_yaw`.
 Quaternion from_roll_pitch_yaw(double roll, double pitch, double yaw);
-/// Turns a vector of the world into the frame of a heading `yaw` (rad): forward, to the left, up.
-inline Vector3 in_heading_frame(const Vector3& v_W, double yaw) {
-  const double c = std::cos(yaw), s = std::sin(yaw);
-  return {c * v_W.x() + s * v_W.y(), c * v_W.y() - s * v_W.x(), v_W.z()};
-}
 /// Returns the least rotation that takes z to `axis` (unit); about x where that is -z.
 Quaternion rotation_of_z_to(const Vector3& axis);
 /// Returns the angle nearest to zero (rad) about the unit vector `axis` that makes the unit vector `v`

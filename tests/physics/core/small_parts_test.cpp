@@ -6,6 +6,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/hash.h"
+#include "physics/core/heading.h"
 #include "physics/core/math.h"
 #include "physics/core/text.h"
 #include "physics/engine/engine.h"
@@ -40,6 +41,20 @@ TEST(RollPitchYaw, OfAQuaternionJustBeyondUprightAreANumber) {
     const Vector3 angles = roll_pitch_yaw(Quaternion(half, 0, sign * half, 0));
     EXPECT_EQ(angles.y(), sign * M_PI / 2);
   }
+}
+
+TEST(Heading, IsTheYawOfTheSameAttitude) {
+  const Vector3 v(0.3, -0.7, 0.2);
+  for (const double yaw : {0.0, 2.5, -3.1}) {
+    const Quaternion q = from_roll_pitch_yaw(0.4, -0.6, yaw);
+    const Vector3 textbook = Eigen::AngleAxisd(-yaw, Vector3::UnitZ()) * v;
+    EXPECT_NEAR(yaw_of(q), yaw, kAngleRounding);
+    EXPECT_LT((Heading(yaw).components(v) - textbook).norm(), kAngleRounding);
+    EXPECT_LT((Heading(q).components(v) - textbook).norm(), kAngleRounding);
+    EXPECT_LT((Heading(yaw - 0.9).turned(0.9).components(v) - textbook).norm(), kAngleRounding);
+  }
+  EXPECT_EQ(Heading().components(v), v);
+  EXPECT_TRUE(Heading(Quaternion(std::sqrt(0.5), 0, -std::sqrt(0.5), 0)).components(v).allFinite());  // up
 }
 
 TEST(RotationOfZ, TakesZToAnyAxisAndTurnsNothingElse) {
