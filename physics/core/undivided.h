@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mutex>
+#include <new>
 
 #include <pthread.h>
 
@@ -21,23 +22,39 @@ class Undivided {
   Undivided& operator=(Undivided&&) = delete;
 
  private:
+  struct Locks {
+    std::mutex work;
+    std::mutex turn;  // of who waits for work, so that a thread which is always at it lets a fork in
+  };
   // Counted here: a std::recursive_mutex belongs to a thread's number, which is another one in a fork.
   static inline thread_local int depth = 0;
 
-  static std::mutex& mutex() {
+  static Locks& locks() {
     // Never destroyed: forks come until the very end.
     static auto* const one = [] {
-      ::pthread_atfork(begin, end, end);
-      return new std::mutex;
+      ::pthread_atfork(begin, end, end_in_child);
+      return new Locks;
     }();
     return *one;
   }
+  // Made with the program: a fork while another thread made them would find them half made, and wait for
+  // ever.
+  static inline Locks& made = locks();
+
   static void begin() {
-    if (depth == 0) mutex().lock();
+    if (depth == 0) {
+      const std::lock_guard<std::mutex> turn(locks().turn);
+      locks().work.lock();
+    }
     ++depth;
   }
   static void end() {
-    if (--depth == 0) mutex().unlock();
+    if (--depth == 0) locks().work.unlock();
+  }
+  // Whose turn it was stayed behind.
+  static void end_in_child() {
+    new (&locks().turn) std::mutex;
+    end();
   }
 };
 

@@ -10,6 +10,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/read_budget.h"
+#include "physics/core/undivided.h"
 
 namespace crossgait {
 namespace {
@@ -114,6 +115,7 @@ class TreeMaker : public YAML::EventHandler {
 }  // namespace
 
 std::shared_ptr<const YamlNode> read_yaml(const std::string& text, const std::string& source) {
+  const Undivided alone;  // yaml-cpp makes tables when it is first asked
   // Within brackets the parser first takes the whole line apart: no more pieces than there may be values.
   const auto separates = [](char c) { return c == '[' || c == '{' || c == ','; };
   if (static_cast<std::size_t>(std::count_if(text.begin(), text.end(), separates)) > kYamlBudget.values) {

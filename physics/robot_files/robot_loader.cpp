@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/core/undivided.h"
 #include "physics/core/yaml_reader.h"
 #include "physics/robot/robot.h"
 #include "physics/robot_files/file_extension.h"
@@ -100,6 +101,7 @@ ServoSource servo_source() noexcept { return source_of_servos(); }
 void set_servo_source(ServoSource source) noexcept { source_of_servos() = source; }
 
 LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos) {
+  const Undivided alone;  // libraries make tables when they are first asked
   const fs::path file(path);
   const std::string extension = lower_extension(path);
   if (extension == ".yaml" || extension == ".yml") return load_yaml(YamlValue::load(path), servos);
