@@ -94,8 +94,7 @@ void add_bench_command(CLI::App& program, Invocation& invocation) {
       "benchmarks/results/amd-epyc-2-cores.json\n"
       "  crossgait bench --from result.json --report result.html");
   auto options = std::make_shared<BenchCommand>();
-  CLI::Option* quick =
-      command->add_flag("--quick", options->quick, "Fewer repetitions: under a minute");
+  CLI::Option* quick = command->add_flag("--quick", options->quick, "Fewer repetitions: under a minute");
   CLI::Option* only =
       command
           ->add_option("--only", options->sections,

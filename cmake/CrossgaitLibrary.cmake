@@ -37,7 +37,9 @@ if(CROSSGAIT_COVERAGE_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
     message(FATAL_ERROR "CROSSGAIT_COVERAGE_FUZZ takes clang: cmake --preset fuzz")
   endif()
-  target_compile_options(crossgait_options INTERFACE -fsanitize=fuzzer-no-link -fprofile-instr-generate -fcoverage-mapping)
+  set(_unwatched ${PROJECT_SOURCE_DIR}/tests/coverage_fuzz/unwatched.txt)
+  target_compile_options(crossgait_options INTERFACE -fsanitize=fuzzer-no-link -fprofile-instr-generate -fcoverage-mapping
+                                                     -fsanitize-ignorelist=${_unwatched} -fsanitize-coverage-ignorelist=${_unwatched})
   target_link_options(crossgait_options INTERFACE -fprofile-instr-generate)
 endif()
 
