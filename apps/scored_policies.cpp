@@ -65,11 +65,13 @@ class Homes {
   std::map<std::string, std::string> by_policy_;
 };
 
-// A policy that was imported was trained elsewhere; of others the environment says where.
+// A policy that was imported was trained elsewhere; of others its training says where, or the environment.
 std::string trained_in(const ScoredPoliciesOptions& options, const Homes& homes, const std::string& policy,
                        const EnvConfig& environment) {
   if (std::string said = homes.of(policy); !said.empty()) return said;
-  return is_imported(policy) || !options.env.empty() ? "" : environment.engine;
+  if (is_imported(policy) || !options.env.empty()) return "";
+  const std::vector<std::string> engines = engines_of_training(policy);
+  return engines.empty() ? environment.engine : fmt::format("{}", fmt::join(engines, " and "));
 }
 
 ScoredPolicy read(const ScoredPoliciesOptions& options, const Homes& homes, const std::string& policy) {
@@ -88,8 +90,8 @@ CLI::Option* ScoredPoliciesOptions::add_to(CLI::App& command, Invocation& invoca
   how.workers = EpisodeOptions::default_workers();
   CLI::Option* which = command
                            .add_option("policies", policies,
-                                       "Folders, names of policies that come with Crossgait, or with --env "
-                                       "files: bundles, descriptions, "
+                                       "Folders of trainings and imports, names of policies that come with "
+                                       "Crossgait, or with --env files: bundles, descriptions, "
                                        "and what trainings write (checkpoints of rsl_rl, TorchScript, ONNX)")
                            ->type_name("CHECKPOINT");
   command.add_option("--engines", engines, "Comma-separated; all that are built in by default")
@@ -104,7 +106,8 @@ CLI::Option* ScoredPoliciesOptions::add_to(CLI::App& command, Invocation& invoca
   command
       .add_option("--trained-in", trained_in,
                   "The engine that they were trained in, which results repeat: of all, or POLICY=ENGINE, "
-                  "comma-separated; by default what the environment of a policy that was not imported says")
+                  "comma-separated; by default what the training or the environment of a policy that was not "
+                  "imported says")
       ->delimiter(',')
       ->type_name("[POLICY=]ENGINE");
   command.add_option("--starts", how.starts, "Of every command: other headings and tilts")

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/core/yaml_reader.h"
 #include "physics/robot_files/data_path.h"
 
 namespace crossgait {
@@ -16,12 +17,15 @@ namespace {
 
 fs::path policies_folder() { return fs::path(models_dir()) / "policies"; }
 
+constexpr const char* kBest = "best.safetensors";  // in the folder of a training
+
 // The file of a policy's folder; empty if there is none.
 fs::path file_in(const fs::path& folder) {
+  const fs::path name = folder.filename();
   std::error_code error;
-  for (const char* extension : {".safetensors", ".yaml"}) {
-    fs::path file = folder / folder.filename().concat(extension);
-    if (fs::is_regular_file(file, error)) return file;
+  for (const fs::path& file :
+       {fs::path(name).concat(".safetensors"), fs::path(name).concat(".yaml"), fs::path(kBest)}) {
+    if (fs::is_regular_file(folder / file, error)) return folder / file;
   }
   return {};
 }
@@ -61,7 +65,8 @@ std::string find_policy_file(const std::string& text) {
   fs::path file = file_in(folder);
   if (file.empty())
     throw ConfigError("policy", text,
-                      fmt::format("a folder with {0}.safetensors or {0}.yaml", folder.filename().string()),
+                      fmt::format("a folder with {0}.safetensors or {0}.yaml, or of a training, with {1}",
+                                  folder.filename().string(), kBest),
                       "one without");
   return file.string();
 }
@@ -70,6 +75,17 @@ std::optional<std::string> environment_of_policy(const std::string& text) {
   const fs::path folder = folder_of(text);
   if (folder.empty() || file_in(folder).empty()) return std::nullopt;  // any other folder of that name
   return (folder / "environment.yaml").string();
+}
+
+std::vector<std::string> engines_of_training(const std::string& text) {
+  const fs::path folder = folder_of(text), plan = folder / "config.yaml";
+  std::error_code error;
+  std::vector<std::string> engines;
+  if (folder.empty() || !fs::is_regular_file(plan, error)) return engines;
+  for (const auto& [engine, share] : YamlValue::load(plan.string()).at("engines").entries()) {
+    if (share.number() > 0) engines.push_back(engine);
+  }
+  return engines;
 }
 
 std::string environment_file(const std::string& given, const std::string& policy) {

@@ -53,6 +53,25 @@ TEST_F(BundledPolicies, AreFoldersWithAFileOfTheirName) {
   }
 }
 
+TEST_F(BundledPolicies, OfATrainingAreItsBest) {
+  fs::create_directories(path("run"));
+  write("run/best.safetensors", "");
+  EXPECT_EQ(find_policy_file(path("run")), path("run/best.safetensors"));
+  EXPECT_EQ(environment_of_policy(path("run")), path("run/environment.yaml"));
+  EXPECT_TRUE(engines_of_training(path("run")).empty());
+  write("run/config.yaml", "seed: 1\nengines: {mujoco: 0.5, dart: 0, bullet: 0.5}\n");
+  EXPECT_EQ(engines_of_training(path("run")), (std::vector<std::string>{"mujoco", "bullet"}));
+  EXPECT_TRUE(engines_of_training("walker").empty());
+  EXPECT_TRUE(engines_of_training("zero").empty());
+  write("run/run.safetensors", "");  // of its own name, as an import writes it
+  EXPECT_EQ(find_policy_file(path("run")), path("run/run.safetensors"));
+  write("run/config.yaml", "seed: 1\n");
+  const ConfigError error = config_error([&] { static_cast<void>(engines_of_training(path("run"))); });
+  EXPECT_NE(std::string(error.what()).find("engines"), std::string::npos);
+  const ConfigError none = config_error([&] { static_cast<void>(find_policy_file(path("policies/other"))); });
+  EXPECT_NE(none.expected().find("best.safetensors"), std::string::npos);
+}
+
 TEST_F(BundledPolicies, AreMadeByName) {
   const auto by_name = make_policy("walker", small_interface());
   const auto by_file = make_policy(path("policies/walker/walker.safetensors"), small_interface());
