@@ -52,8 +52,8 @@ def score(
         environment: that they act in; each policy's own by default.
         engines: all that are available by default.
         agent: the agent.yaml of checkpoints of rsl_rl; by default the one beside each, or in `params` there.
-        trained_in: the engine that they were trained in, which results repeat; by default what the training or the environment of a
-            policy says that was not imported.
+        trained_in: the engine that they were trained in, which results repeat; by default what the training or the
+            environment of a policy says that was not imported.
         starts: of every command, 2 or more: other headings and tilts.
         seconds: simulated length of a walk, 1.5 or more, of which the first second does not count.
         seed: of the starts.
