@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace crossgait::contact {
+namespace {
+
+constexpr int kMaxRows = 3 * kMaxContacts + kMaxBoundedRows;
+
+}  // namespace
 
 SweepProblem::SweepProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction,
                            double mixing)
@@ -13,7 +18,10 @@ SweepProblem::SweepProblem(int dofs, const std::vector<std::vector<int>>& couple
       row_(3, dofs),
       Z_(3, (kMaxContacts + kMaxBoundedRows) * dofs),
       w_(DofVector::Zero(dofs)),
-      u_(DofVector::Zero(dofs)) {
+      u_(DofVector::Zero(dofs)),
+      mixer_(kMaxRows),
+      before_(kMaxRows),
+      after_(kMaxRows) {
   const SparseSymmetric pattern(dofs, coupled);
   for (const std::vector<int>& set : coupled) {
     // Those of bodies come first: a loop is no row's.
@@ -163,53 +171,62 @@ int SweepProblem::sweep(int max_sweeps, double enough) noexcept {
   return count;
 }
 
-// Whether no contact slips; gathers what is then linear.
-bool SweepProblem::gather_sticking(double& largest) noexcept {
-  constexpr double kInside =
-      1 - 1e-9;  // of the cone: a slipping contact's tangents are on its edge to rounding
-  sticking_.clear();
-  largest = 0;
-  const auto velocity = [this](const std::vector<int>& dofs, int first, int lane) {
-    double v = 0;
-    for (const int dof : dofs) v += Z_(lane, first++) * w_[dof];
-    return v;
-  };
+// Changes count by what they do to the robot.
+void SweepProblem::begin_mixing() noexcept {
+  mixer_.begin(static_cast<int>(rows()));
+  Eigen::Ref<Eigen::VectorXd> weights = mixer_.weights();
+  const auto weight = [](double step) { return step > 0 ? 1 / std::sqrt(step) : 0; };
+  for (int i = 0; i < bounded_count_; ++i) weights[i] = weight(bounded_[static_cast<std::size_t>(i)].step);
+  for (int i = 0; i < contact_count_; ++i) {
+    const Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    weights.segment<3>(bounded_count_ + 3 * i) << weight(contact.normal_step), weight(contact.tangent_step),
+        weight(contact.tangent_step);
+  }
+}
+
+void SweepProblem::gather(Eigen::Ref<Eigen::VectorXd> impulses) const noexcept {
+  for (int i = 0; i < bounded_count_; ++i) impulses[i] = bounded_[static_cast<std::size_t>(i)].x;
+  for (int i = 0; i < contact_count_; ++i)
+    impulses.segment<3>(bounded_count_ + 3 * i) = contacts_[static_cast<std::size_t>(i)].x;
+}
+
+// Impulses, as far as the law allows them, and what they do to the robot.
+void SweepProblem::move_to(const Eigen::Ref<const Eigen::VectorXd>& impulses) noexcept {
+  w_.setZero();
   for (int i = 0; i < bounded_count_; ++i) {
     Bounded& row = bounded_[static_cast<std::size_t>(i)];
-    largest = std::max(largest, std::abs(row.x));
-    if (row.x <= row.bounds.lower || row.x >= row.bounds.upper) continue;
-    sticking_.add(row.x, *row.dofs, row.first, 0, row.R, row.step,
-                  -(row.b + row.R * row.x + velocity(*row.dofs, row.first, 0)));
+    row.x = std::clamp(impulses[i], row.bounds.lower, row.bounds.upper);
+    int column = row.first;
+    for (const int dof : *row.dofs) w_[dof] += row.x * Z_(0, column++);
   }
   for (int i = 0; i < contact_count_; ++i) {
     Contact& contact = contacts_[static_cast<std::size_t>(i)];
-    if (contact.x[0] == 0) continue;
-    if (friction_ > 0 && contact.x.tail<2>().norm() >= kInside * friction_ * contact.x[0]) return false;
-    largest = std::max(largest, contact.x[0]);
-    for (int k = 0; k < (friction_ > 0 ? 3 : 1); ++k) {
-      sticking_.add(
-          contact.x[k], *contact.dofs, contact.first, k, contact.R[k],
-          k == 0 ? contact.normal_step : contact.tangent_step,
-          -(contact.b[k] + contact.R[k] * contact.x[k] + velocity(*contact.dofs, contact.first, k)));
-    }
+    contact.x = impulses.segment<3>(bounded_count_ + 3 * i);
+    contact.x[0] = std::max(0.0, contact.x[0]);
+    const double limit = friction_ * contact.x[0], across = contact.x.tail<2>().norm();
+    if (across > limit) contact.x.tail<2>() *= limit / across;
+    int column = contact.first;
+    for (const int dof : *contact.dofs) w_[dof] += contact.x.dot(Z_.col(column++));
   }
-  return true;
 }
 
 int SweepProblem::converge(int max_sweeps, double share) noexcept {
-  constexpr int kFirst = 4, kTimes = 4;  // sweeps until which are pushing has shown; then ever more rarely
-  constexpr int kSteps = 2;              // for each dof: without rounding one would do
+  begin_mixing();
+  auto before = before_.head(rows()), after = after_.head(rows());
   w_.setZero();
-  int count = 0, next = kFirst;
+  int count = 0;
+  gather(before);
   while (count < max_sweeps) {
     const Change change = sweep_once(true);
     ++count;
     if (change.impulse <= share * change.largest) break;
-    if (count < next) continue;
-    next = kTimes * count;
-    double largest = 0;
-    const int most = std::min(max_sweeps - count, kSteps * static_cast<int>(w_.size()));
-    if (gather_sticking(largest)) count += sticking_.solve(Z_, w_, most, share * largest);
+    gather(after);
+    if (mixer_.replace(before, after, change.impulse)) {
+      move_to(after);
+      gather(before);  // as the law has it
+    } else {
+      before = after;
+    }
   }
   finish();
   return count;

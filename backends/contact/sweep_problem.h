@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "backends/contact/anderson_mixing.h"
 #include "backends/contact/impulse_bounds.h"
 #include "backends/contact/sparse_symmetric.h"
-#include "backends/contact/sticking_rows.h"
 #include "physics/robot/state.h"
 
 namespace crossgait::contact {
@@ -41,9 +41,8 @@ class SweepProblem {
   /// m/s or rad/s (of two tangents the sum, signs and all: so it is in Bullet), or `max_sweeps` are done.
   /// @returns sweeps
   int sweep(int max_sweeps, double enough) noexcept;
-  /// Sweeps until no impulse changes by more than this share of the largest. As long as nothing slips, the
-  /// rows that push are a linear problem, which StickingRows solves; the sweep that follows tells whether
-  /// that is the solution. @returns sweeps, those steps included
+  /// Sweeps until no impulse changes by more than this share of the largest, now and then from where the last
+  /// sweeps lead to (AndersonMixing). @returns sweeps
   int converge(int max_sweeps, double share) noexcept;
 
   /// Returns velocities as in PrimalProblem.
@@ -74,7 +73,10 @@ class SweepProblem {
   void sweep_bounded(bool forward, Change& change) noexcept;
   void sweep_normals(Change& change) noexcept;
   void sweep_tangents(Change& change) noexcept;
-  bool gather_sticking(double& largest) noexcept;
+  Eigen::Index rows() const noexcept { return bounded_count_ + 3 * contact_count_; }
+  void begin_mixing() noexcept;
+  void gather(Eigen::Ref<Eigen::VectorXd> impulses) const noexcept;
+  void move_to(const Eigen::Ref<const Eigen::VectorXd>& impulses) noexcept;
   void finish() noexcept;
 
   double friction_, mixing_;
@@ -86,7 +88,8 @@ class SweepProblem {
   PointJacobian row_;
   Eigen::Matrix3Xd Z_;
   DofVector w_, u_;
-  StickingRows sticking_;
+  AndersonMixing mixer_;
+  Eigen::VectorXd before_, after_;  // impulses of all rows: bounded ones, then contacts
 };
 
 }  // namespace crossgait::contact
