@@ -6,10 +6,17 @@ import json
 import os
 import re
 import subprocess
+import tempfile
 
 LONGEST = 65536  # bytes of an input
 PATIENCE = 10  # times what an input may take, on a machine that others use
 MOST_FINDINGS = 20  # of a run: more of them say nothing new
+
+
+def memory_folder():
+    """A folder for the file that every input is written to: in memory, where there is such a place."""
+    place = "/dev/shm"
+    return tempfile.TemporaryDirectory(dir=place if os.access(place, os.W_OK) else None)
 
 
 def run(command, log, **process):
