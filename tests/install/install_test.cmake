@@ -131,6 +131,16 @@ foreach(engine ${ENGINES})
   expect_engine(${engine} file "^${SCRATCH}/moved/${LIBDIR}/crossgait/engines/libcrossgait_engine_${engine}.so$")
 endforeach()
 
+# A plug-in of its own that was cut off is missing, and the program goes on without it.
+list(GET ENGINES -1 engine)
+set(plugin ${SCRATCH}/moved/${LIBDIR}/crossgait/engines/libcrossgait_engine_${engine}.so)
+file(RENAME ${plugin} ${SCRATCH}/whole.so)
+execute_process(COMMAND head -c 100000 ${SCRATCH}/whole.so OUTPUT_FILE ${plugin} COMMAND_ERROR_IS_FATAL ANY)
+run("crossgait with a plug-in that was cut off" ${crossgait} engines --json -)
+expect_engine(${engine} available "OFF|false")
+expect_engine(${engine} reason "cut off")
+file(RENAME ${SCRATCH}/whole.so ${plugin})
+
 set(ENV{CROSSGAIT_ENGINE_PATH} ${SCRATCH}/guide/build)
 run("crossgait with an engine built elsewhere" ${crossgait} engines --json -)
 expect_engine(skeleton available "ON|true")
