@@ -163,7 +163,8 @@ def prepare(folder: Path) -> None:
     shutil.copy(ROOT / "models/robots/serial_quadruped/robot.urdf", folder / "my.urdf")
     (folder / "study.yaml").write_text(blocks("yaml")[[page.stem for page, _ in blocks("yaml")].index("sweeps")][1])
     shutil.copy(ROOT / "examples/engines/hard_contact.py", folder)
-    (folder / "benchmarks").symlink_to(ROOT / "benchmarks")
+    for name in ("benchmarks", "experiments"):
+        (folder / name).symlink_to(ROOT / name)
 
 
 # Engines of the package, and the libraries without which there are none.
