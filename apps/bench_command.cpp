@@ -8,7 +8,6 @@
 #include "apps/command.h"
 #include "apps/interruption.h"
 #include "apps/page_option.h"
-#include "backends/registry.h"
 #include "benchmarks/bench.h"
 #include "benchmarks/regression.h"
 #include "physics/core/error.h"
@@ -29,13 +28,9 @@ struct BenchCommand {
   JsonOption json;
 };
 
-std::vector<std::string> engines_of(const BenchCommand& options) {
-  return options.engines.empty() ? available_engines() : options.engines;
-}
-
 ordered_json measure(const BenchCommand& options) {
   const benchmarks::BenchOptions bench{
-      .engines = engines_of(options),
+      .engines = engines_or_all(options.engines),
       .sections = options.sections,
       .quick = options.quick,
       .robot = std::make_shared<const RobotDescription>(load_robot(find_robot(options.robot)))};
@@ -46,7 +41,7 @@ ordered_json measure(const BenchCommand& options) {
 Provenance provenance_of(const BenchCommand& options) {
   if (!options.from.empty()) return options.json.provenance();  // it says itself what it was measured with
   ResultInputs inputs = of_robot(load_robot(find_robot(options.robot)));
-  inputs.engines = engines_of(options);
+  inputs.engines = engines_or_all(options.engines);
   inputs.chosen["--engines"] = inputs.engines;
   return options.json.provenance(inputs);
 }

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "apps/interruption.h"
+#include "backends/registry.h"
 #include "physics/core/consent.h"
 #include "physics/core/error.h"
 #include "physics/core/table.h"
@@ -21,6 +22,10 @@ namespace crossgait::apps {
 
 void print_notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) print_error(fmt::format("crossgait: note: {}\n", note));
+}
+
+std::vector<std::string> engines_or_all(const std::vector<std::string>& named) {
+  return named.empty() ? available_engines() : named;
 }
 
 RobotDescription load_robot_with_warnings(const std::string& robot) {

@@ -60,6 +60,9 @@ struct RequirementMissed : std::runtime_error {
 /// Says on standard error what the user may want to know of what was asked for.
 void print_notes(const std::vector<std::string>& notes);
 
+/// Returns what `--engines` named, all that are available if it named none.
+std::vector<std::string> engines_or_all(const std::vector<std::string>& named);
+
 /// Reads the robot of a name or file, and notes on standard error if its file holds what is doubtful.
 /// @throws ConfigError
 RobotDescription load_robot_with_warnings(const std::string& robot);

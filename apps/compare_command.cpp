@@ -122,7 +122,7 @@ void run_policy(const CompareCommand& options) {
                       options.policy.policy);
   const LoadedEnv environment = options.policy.environment(options.walk);
   const std::uint64_t seed = environment.config.terrain_seed;
-  const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
+  const std::vector<std::string> engines = engines_or_all(options.engines);
   if (engines.size() < 2)
     throw ConfigError("compare", "engines", "two or more", fmt::format("{}", fmt::join(engines, ",")));
   check_required(options, engines);
@@ -148,7 +148,7 @@ void run(const CompareCommand& options) {
   if (options.policy.asked()) return run_policy(options);
   const LoadedWalk loaded = options.walk.make();
   const WalkConfig& config = loaded.config;
-  const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
+  const std::vector<std::string> engines = engines_or_all(options.engines);
   check_required(options, engines);
   const Provenance provenance = options.json.provenance(
       {WalkOptions::subject(loaded), engines, {{"--engines", engines}}, traces_of(options, engines)});

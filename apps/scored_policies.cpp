@@ -126,7 +126,7 @@ CLI::Option* ScoredPoliciesOptions::add_to(CLI::App& command, Invocation& invoca
 
 ScoredPolicies read_scored(const ScoredPoliciesOptions& options) {
   ScoredPolicies scored;
-  scored.engines = options.engines.empty() ? available_engines() : options.engines;
+  scored.engines = engines_or_all(options.engines);
   for (const std::string& engine : scored.engines) static_cast<void>(find_engine(engine));
   const Homes homes(options.trained_in, options.policies);
   for (const std::string& policy : options.policies) scored.policies.push_back(read(options, homes, policy));

@@ -3,7 +3,6 @@
 
 #include "apps/command.h"
 #include "apps/contact_option.h"
-#include "backends/registry.h"
 #include "physics/core/schema.h"
 #include "study/robot_quantities.h"
 #include "study/stand.h"
@@ -26,7 +25,7 @@ void run(const StandCommand& options) {
   world.contact = resolve_contact(world.robot->contact, options.contact.make(), "stand");
   world.validate();
   print_notes(step_warnings(*world.robot, world.contact, options.physics_dt));
-  const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
+  const std::vector<std::string> engines = engines_or_all(options.engines);
   ResultInputs inputs = of_robot(*world.robot);
   inputs.engines = engines;
   inputs.chosen = {{"--engines", engines}};

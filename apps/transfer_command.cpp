@@ -6,7 +6,6 @@
 #include "apps/interruption.h"
 #include "apps/page_option.h"
 #include "apps/step_cost.h"
-#include "backends/registry.h"
 #include "physics/core/table.h"
 #include "report/watched_episodes.h"
 #include "study/rollout.h"
@@ -43,7 +42,7 @@ ReportPage page_of(const Transfer& transfer, const LoadedEnv& environment, const
 }
 
 void run(const TransferCommand& options) {
-  const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
+  const std::vector<std::string> engines = engines_or_all(options.engines);
   const LoadedEnv environment = options.env.make(options.policy);
   options.page.check(environment.config);
   nlohmann::json subject = policy_subject(environment, {options.policy}, options.runs.seed);

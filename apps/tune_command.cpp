@@ -5,7 +5,6 @@
 #include "apps/env_options.h"
 #include "apps/interruption.h"
 #include "apps/page_option.h"
-#include "backends/registry.h"
 #include "physics/core/atomic_file.h"
 #include "physics/core/table.h"
 #include "report/watched_episodes.h"
@@ -57,7 +56,7 @@ void run(const TuneCommand& options) {
   if (!options.env.episode_seconds && options.env.config.empty()) start.episode_seconds = 6;
   const LoadedEnv method = asked.with(start);
   options.page.check(start);
-  const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
+  const std::vector<std::string> engines = engines_or_all(options.engines);
   const Provenance provenance =
       options.json.provenance({policy_subject(method, {"zero"}, options.tune.seed),
                                engines,

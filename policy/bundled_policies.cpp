@@ -78,10 +78,12 @@ std::optional<std::string> environment_of_policy(const std::string& text) {
 }
 
 std::vector<std::string> engines_of_training(const std::string& text) {
-  const fs::path folder = folder_of(text), plan = folder / "config.yaml";
-  std::error_code error;
   std::vector<std::string> engines;
-  if (folder.empty() || !fs::is_regular_file(plan, error)) return engines;
+  const fs::path folder = folder_of(text), plan = folder / "config.yaml";
+  if (folder.empty()) return engines;
+  std::error_code error;
+  // Any other folder may have a config.yaml of its own.
+  if (!fs::is_regular_file(folder / kBest, error) || !fs::is_regular_file(plan, error)) return engines;
   for (const auto& [engine, share] : YamlValue::load(plan.string()).at("engines").entries()) {
     if (share.number() > 0) engines.push_back(engine);
   }

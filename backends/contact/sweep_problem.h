@@ -28,9 +28,8 @@ class SweepProblem {
   SweepProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction, double mixing);
 
   /// Begins to be filled in like PrimalProblem, R >= 0.
-  /// @param held  1 + E E', factored, of the pattern of `coupled`; nullptr without loops. It has to stay as
-  /// it
-  ///              is until the sweeps are done
+  /// @param held  1 + E E', factored, of the pattern of `coupled`; nullptr without loops. To stay as it is
+  ///              until the sweeps are done
   void begin(const SparseSymmetric* held) noexcept;
   void add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
                    const Vector3& b) noexcept;

@@ -41,13 +41,13 @@ def sort_slow_ones(command, home, slowest, **process):
             path.rename(home / "slow" / path.name)
 
 
-def add(home, name, run):
-    """Of all runs of a target: seconds and executions, and this one's."""
+def add(home, this):
+    """The row of a target: seconds and executions of this run, and of all."""
     file = home / "done.json"
     done = json.loads(file.read_text()) if file.exists() else {"seconds": 0, "executions": 0}
-    done = {key: done[key] + run[key] for key in done}
+    done = {key: done[key] + this[key] for key in done}
     file.write_text(json.dumps(done) + "\n")
-    return {"target": name} | run | {f"all_{key}": value for key, value in done.items()}
+    return {"target": home.name} | this | {f"all_{key}": value for key, value in done.items()}
 
 
 def fuzz(command, home, seconds, slowest, corpora, **process):
@@ -68,5 +68,5 @@ def fuzz(command, home, seconds, slowest, corpora, **process):
             break
     executions = sum(map(int, re.findall(r"stat::number_of_executed_units: *(\d+)", log.read_text(errors="replace"))))
     sort_slow_ones(command, home, slowest, **process)
-    row = add(home, home.name, {"seconds": round(used), "executions": executions})
+    row = add(home, {"seconds": round(used), "executions": executions})
     return row | {"failed": failed, "findings": sorted(path.name for path in (home / "findings").iterdir())}

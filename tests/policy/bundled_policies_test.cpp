@@ -61,6 +61,7 @@ TEST_F(BundledPolicies, OfATrainingAreItsBest) {
   EXPECT_TRUE(engines_of_training(path("run")).empty());
   write("run/config.yaml", "seed: 1\nengines: {mujoco: 0.5, dart: 0, bullet: 0.5}\n");
   EXPECT_EQ(engines_of_training(path("run")), (std::vector<std::string>{"mujoco", "bullet"}));
+  write("policies/walker/config.yaml", "of: another program\n");
   EXPECT_TRUE(engines_of_training("walker").empty());
   EXPECT_TRUE(engines_of_training("zero").empty());
   write("run/run.safetensors", "");  // of its own name, as an import writes it
