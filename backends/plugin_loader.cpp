@@ -17,6 +17,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/folder.h"
+#include "physics/core/undivided.h"
 
 namespace crossgait {
 namespace fs = std::filesystem;
@@ -175,6 +176,9 @@ bool came_with_program(const std::string& file) {
 }  // namespace
 
 LoadedPlugin load_plugin(const std::string& file, std::chrono::milliseconds limit) {
+  // A fork that finds a library half opened, as a trial's in another thread would, ends at the next one it
+  // opens.
+  const Undivided alone;
   std::error_code error;
   // A name without a slash would be searched for elsewhere.
   LoadedPlugin result{fs::canonical(file, error).string(), nullptr, ""};
