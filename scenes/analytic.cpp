@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "physics/engine/lost_engine.h"
 #include "scenes/scenes.h"
 
 namespace crossgait::scenes {
@@ -13,6 +14,7 @@ namespace {
 
 void step(PhysicsBackend& world) {
   if (world.step({}) != StepStatus::kOk) {
+    throw_if_lost(world);
     throw std::runtime_error(fmt::format("{} diverged in {}", world.robot().name, world.info().name));
   }
 }

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "physics/engine/lost_engine.h"
+
 namespace crossgait::scenes {
 
 Incline tilted_gravity(double angle, double heading) {
@@ -54,6 +56,7 @@ Slide let_go(const Engine& engine, MakeIncline make_incline, double friction_ove
   const bool settled = world->step({}, kSettleSteps) == StepStatus::kOk;
   const Vector3 from = world->state().p_WB;
   if (!settled || world->step({}, kSlideSteps) != StepStatus::kOk) {
+    throw_if_lost(*world);
     throw std::runtime_error(fmt::format("the sled diverged in {}", engine.name()));
   }
   const RobotState& s = world->state();

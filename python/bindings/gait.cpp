@@ -122,7 +122,10 @@ void bind_gait(nb::module_& m) {
                    [](const FootTargets& t) { return std::string(t.generator().current_phase_name()); })
       .def_prop_ro(
           "limit_factor", [](const FootTargets& t) { return t.generator().limit_factor(); },
-          "Share of the command that the steps can follow.");
+          "Share of the command that the steps can follow.")
+      .def("__repr__", [](const FootTargets& t) {
+        return fmt::format("<crossgait.GaitGenerator at phase {:.3f}>", t.generator().phase());
+      });
 }
 
 }  // namespace crossgait::python

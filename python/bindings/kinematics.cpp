@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -153,6 +154,9 @@ void bind_kinematics(nb::module_& m) {
       .def_prop_ro(
           "kind", [](const RobotLeg& l) { return std::string(name(l.kinematics.kind())); },
           "five_bar, serial or least_squares.")
+      .def("__repr__", [](const RobotLeg& l) {
+        return fmt::format("<crossgait.Leg {}, {}>", name(l.which), name(l.kinematics.kind()));
+      })
       .def_prop_ro("servos", &servo_names, "Names of its driven joints, in the order of angles.")
       .def_prop_ro(
           "servo_indices",

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
@@ -136,8 +137,19 @@ void bind_interface(nb::module_& m) {
           nb::arg("policy_dt"),
           "What a member of a hierarchical policy runs on (docs/policies.md). `part`: of the action, "
           "\"delta.\" or \"residual.\"; `observation`: names, or beginnings of names that end in \".\"; all "
-          "if there are none. Raises ConfigError.");
+          "if there are none. Raises ConfigError.")
+      .def("__repr__", [](const PolicyInterface& i) {
+        return fmt::format("<crossgait.policies.PolicyInterface: {} numbers to {} every {:g} s>",
+                           i.observation.size(), i.action.size(), i.policy_dt);
+      });
   m.attr("LAYOUT_VERSION") = kLayoutVersion;
+}
+
+/// Inputs, layers and outputs: "45-128-12".
+std::string sizes_of(const MlpNetwork& network) {
+  std::string sizes = std::to_string(network.layers.front().weight.cols());
+  for (const MlpLayer& layer : network.layers) sizes += fmt::format("-{}", layer.weight.rows());
+  return sizes;
 }
 
 void bind_network(nb::module_& m) {
@@ -176,7 +188,8 @@ void bind_network(nb::module_& m) {
           "Bound of the normalised observation, ±, or None.")
       .def("evaluate", &evaluate, nb::arg("observations"),
            "Outputs [n, act] of raw observations [n, obs], in double precision and not clipped to the "
-           "action's bounds. Raises ConfigError for another width.");
+           "action's bounds. Raises ConfigError for another width.")
+      .def("__repr__", [](const MlpNetwork& n) { return "<crossgait.policies.MlpNetwork " + sizes_of(n) + ">"; });
 }
 
 void bind_bundle(nb::module_& m) {
@@ -210,7 +223,10 @@ void bind_bundle(nb::module_& m) {
       .def_ro("layout_hash", &PolicyBundle::layout_hash)
       .def_ro("policy_dt", &PolicyBundle::policy_dt, "s, or None if it was trained for none.")
       .def_prop_ro("golden_observation", [](const PolicyBundle& b) { return b.golden_observation; })
-      .def_prop_ro("golden_action", [](const PolicyBundle& b) { return b.golden_action; });
+      .def_prop_ro("golden_action", [](const PolicyBundle& b) { return b.golden_action; })
+      .def("__repr__", [](const PolicyBundle& b) {
+        return "<crossgait.policies.PolicyBundle of a network " + sizes_of(b.network) + ">";
+      });
   m.def("check_interface", &check_trained_for, nb::arg("interface"), nb::kw_only(),
         nb::arg("observation_names"), nb::arg("action_names"), nb::arg("layout_hash"),
         nb::arg("policy_dt") = nb::none(), nb::arg("source") = "policy",

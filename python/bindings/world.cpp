@@ -1,6 +1,7 @@
 // One world in one engine, to be driven by hand.
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
@@ -235,16 +236,29 @@ void bind_contacts(nb::module_& m) {
       .def_ro("normal", &Contact::normal, "Unit vector from the ground to the robot.")
       .def_ro("distance", &Contact::distance, "m, negative where they overlap.")
       .def_ro("force", &Contact::force, "On the robot, in W, N.")
-      .def_ro("slip_speed", &Contact::slip_speed, "m/s.");
+      .def_ro("slip_speed", &Contact::slip_speed, "m/s.")
+      .def("__repr__", [](const Contact& c) {
+        const std::string of = c.leg < 0 ? fmt::format("body {}", c.body)
+                                         : std::string(name(static_cast<Leg>(c.leg)));
+        return fmt::format("<crossgait.Contact of {} at ({:.4f}, {:.4f}, {:.4f}) m, {:.4g} N, {:.3g} m deep>", of,
+                           c.p_WP.x(), c.p_WP.y(), c.p_WP.z(), c.force.norm(), -c.distance);
+      });
   nb::class_<FootContact>(m, "FootContact", "All contact points of one foot together.")
       .def_ro("touching", &FootContact::touching)
       .def_ro("force", &FootContact::force, "Sum, in W, N.")
       .def_ro("p_WP", &FootContact::p_WP, "Position of the deepest point, m.")
       .def_ro("slip_speed", &FootContact::slip_speed, "At the deepest point, m/s.")
-      .def_ro("penetration", &FootContact::penetration, "Penetration of the deepest point, m.");
+      .def_ro("penetration", &FootContact::penetration, "Penetration of the deepest point, m.")
+      .def("__repr__", [](const FootContact& f) {
+        return f.touching ? fmt::format("<crossgait.FootContact of {:.4g} N, {:.3g} m deep>", f.force.norm(), f.penetration)
+                          : std::string("<crossgait.FootContact: none>");
+      });
   nb::class_<Snapshot>(m, "Snapshot", "A saved instant of a world: restoring it continues bit for bit.")
       .def_ro("engine_name", &Snapshot::engine_name)
-      .def_ro("state", &Snapshot::state);
+      .def_ro("state", &Snapshot::state)
+      .def("__repr__", [](const Snapshot& s) {
+        return fmt::format("<crossgait.Snapshot of a world in {} at {:g} s>", s.engine_name, s.state.time);
+      });
 }
 
 }  // namespace

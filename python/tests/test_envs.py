@@ -412,3 +412,9 @@ def test_environments_say_what_they_are() -> None:
         == f"<JointControlVectorEnv: 3 x {said}"
     )
     assert repr(CrossgaitVecEnv("Crossgait/JointControl-v0", 2, **keys)) == f"<CrossgaitVecEnv: 2 x {said}"
+
+
+@pytest.mark.parametrize("shared", [crossgait.envs.QuadrupedEnv, crossgait.envs.QuadrupedVectorEnv])
+def test_what_environments_share_is_none(shared):
+    with pytest.raises(TypeError, match="make an AdaptiveGait or a JointControl environment"):
+        shared(*([2] if "Vector" in shared.__name__ else []))

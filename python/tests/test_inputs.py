@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import pickle
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,19 @@ import pytest
 
 import crossgait
 import crossgait.envs  # registers environments
-from crossgait import ConfigError, Controller, EnvironmentConfig, FunctionPolicy, Policy, StartRanges, Terrain, Walk
+from crossgait import (
+    ConfigError,
+    Controller,
+    EnvironmentConfig,
+    FunctionPolicy,
+    GaitGenerator,
+    Policy,
+    StartRanges,
+    Terrain,
+    Walk,
+)
 from crossgait.inputs import as_environment, as_policies, as_terrain
+from crossgait.policies import MlpNetwork, PolicyInterface
 from crossgait.studies.choices import WALK_KEYWORDS
 
 FOLDER = Path(crossgait.models_dir()) / "policies" / "serial_joints"
@@ -369,6 +381,31 @@ def test_what_describes_a_run_can_be_read_and_pickled(thing: Any) -> None:
     if isinstance(thing, Terrain):
         assert np.array_equal(again.heights, thing.heights)
         assert again.size == thing.size
+
+
+def test_what_a_world_answers_can_be_read() -> None:
+    world = crossgait.World("scara_quadruped")
+    leg = crossgait.legs("scara_quadruped")["FL"]
+    world.step(world.state.q[list(crossgait.Robot.load("scara_quadruped").servo_indices)], 300)
+    network = MlpNetwork([(np.zeros((3, 4)), np.zeros(3)), (np.zeros((2, 3)), np.zeros(2))])
+    things = [
+        world,
+        world.state,
+        world.save(),
+        world.contacts[0],
+        world.foot_contacts[0],
+        leg,
+        GaitGenerator(),
+        network,
+    ]
+    things.append(PolicyInterface(crossgait.EnvironmentConfig()))
+    for thing in things:
+        assert re.match(rf"<crossgait\.(policies\.)?{type(thing).__name__}\b.*>", repr(thing)), repr(thing)
+    assert repr(leg) == "<crossgait.Leg FL, five_bar>"
+    assert repr(network).endswith(" 4-3-2>")
+    assert re.search(
+        r"of FL at \(0\.\d{4}, 0\.\d{4}, -?0\.0\d{3}\) m, [\d.]+ N, [\d.e-]+ m deep", repr(world.contacts[0])
+    )
 
 
 def test_results_and_policies_can_be_pickled() -> None:

@@ -12,7 +12,15 @@ import pytest
 import crossgait
 
 ROOT = Path(__file__).resolve().parents[2]
-LIBRARIES = {"drake": "pydrake", "mujoco_warp": "mujoco_warp", "newton": "newton", "newton_kamino": "newton"}
+LIBRARIES = {
+    "drake": "pydrake",
+    "drake_hydroelastic": "pydrake",
+    "drake_tamsi": "pydrake",
+    "mujoco_warp": "mujoco_warp",
+    "newton": "newton",
+    "newton_kamino": "newton",
+}
+EXTRAS = {"pydrake": "drake", "mujoco_warp": "mujoco-warp", "newton": "newton"}
 
 
 def is_missing(name):
@@ -59,7 +67,7 @@ def test_it_stands_and_goes_on_to_the_same_bits(engine):
     assert world.save().state.qpos.tobytes() == saved.state.qpos.tobytes()
 
 
-@pytest.mark.parametrize("engine", marked("mujoco_warp", "newton"))
+@pytest.mark.parametrize("engine", marked("drake", "drake_hydroelastic", "mujoco_warp", "newton"))
 def test_robots_with_loops_go_on_to_the_same_bits(engine):
     world = crossgait.World("scara_quadruped", engine=engine)
     stand(world, 20, "scara_quadruped")
@@ -105,11 +113,55 @@ def test_kamino_refuses_coupled_joints(engine, tmp_path):
         crossgait.World(crossgait.Robot.load(robot), engine=engine)
 
 
+@pytest.mark.parametrize("engine", marked("drake_tamsi"))
+def test_tamsi_refuses_loops(engine):
+    with pytest.raises(crossgait.ConfigError, match="TAMSI has no loops"):
+        crossgait.World("scara_quadruped", engine=engine)
+
+
+@pytest.mark.parametrize("engine", marked("drake", "drake_tamsi"))
+def test_point_contact_refuses_fields(engine):
+    with pytest.raises(crossgait.ConfigError, match="takes the plane alone"):
+        crossgait.World("serial_quadruped", "rough", engine=engine)
+
+
+def load_of_sphere(radius, depth, modulus=1e7):
+    """N, on a compliant sphere whose pressure grows from its surface to the modulus at its centre, in rigid ground."""
+    c = radius - depth
+    return 2 * np.pi * modulus * ((radius**2 - c**2) / 2 - (radius**3 - c**3) / (3 * radius))
+
+
+@pytest.mark.parametrize("engine", marked("drake_hydroelastic"))
+@pytest.mark.parametrize("terrain", ["flat", "slope:angle=0,size_x=2,size_y=2,cell=0.05"])
+def test_hydroelastic_feet_sink_by_their_pressure(engine, terrain):
+    world = crossgait.World("serial_quadruped", terrain, engine=engine)
+    stand(world, 600)
+    shapes = crossgait.Robot.load("serial_quadruped").collisions
+    radius = next(shape["size"][0] for shape in shapes if shape["type"] == "sphere")
+    feet = world.contacts
+    assert len(feet) == 4
+    for foot in feet:
+        # Feet are polyhedra, whose surface is 4 % of this depth inside the sphere's: of a depth's square 8 %.
+        assert foot.force[2] == pytest.approx(load_of_sphere(radius, -foot.distance), rel=0.12)
+        assert foot.normal == pytest.approx([0, 0, 1], abs=1e-12)
+
+
+@pytest.mark.parametrize("engine", marked("drake_hydroelastic"))
+def test_hydroelastic_feet_stand_on_a_slope(engine):
+    world = crossgait.World("serial_quadruped", "slope:angle=5,heading=30,size_x=2,size_y=2,cell=0.05", engine=engine)
+    stand(world, 200)
+    away = np.radians(30)
+    uphill = np.sin(np.radians(5)) * np.array([np.cos(away), np.sin(away)])
+    on_the_slope = [foot for foot in world.contacts if np.hypot(*foot.p_WP[:2]) > 0.1]
+    assert len(on_the_slope) >= 3  # one may be light
+    for foot in on_the_slope:
+        assert np.abs(foot.normal[:2]) == pytest.approx(np.abs(uphill), abs=1e-6)
+
+
 @pytest.mark.parametrize("name", LIBRARIES)
 def test_a_missing_library_says_how_it_is_installed(name):
     library = LIBRARIES[name]
     program = f"import runpy, sys; sys.modules['{library}'] = None; runpy.run_module('crossgait.engines.{name}')"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode != 0
-    extra = {"newton_kamino": "newton", "mujoco_warp": "mujoco-warp"}.get(name, name)
-    assert re.search(rf"need {library}[.\w]*: pip install 'crossgait\[{extra}\]'", done.stderr)
+    assert re.search(rf"need {library}[.\w]*: pip install 'crossgait\[{EXTRAS[library]}\]'", done.stderr)

@@ -1,12 +1,12 @@
-"""Drake's MultibodyPlant in discrete time: compliant point contact by its solver SAP, loops as its ball constraints.
+"""A world of Drake's MultibodyPlant in discrete time: bodies, joints, loops as ball constraints, states there and back.
 
-`pip install 'crossgait[drake]'`. What it does not simulate it refuses: ground that is no plane (Drake's point contact
-takes a mesh for its convex hull), and couplings that are not linear. Limits of joints and dry friction in them are left
-out and not declared.
+What touches and how, a subclass says: `drake.py` and `drake_tamsi.py` points, `drake_hydroelastic.py` surfaces.
+Couplings that are not linear are refused; limits of joints and dry friction in them are left out and not declared.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib.metadata import version
 from typing import Any
 
@@ -16,15 +16,8 @@ from crossgait.extras import needed_for
 from crossgait.serving import Array, EngineContact, EngineState, ServedWorld, rotated, serve_engine
 
 with needed_for("worlds in Drake", "drake"):
-    from pydrake.geometry import (
-        AddContactMaterial,
-        CollisionFilterDeclaration,
-        Cylinder,
-        GeometrySet,
-        HalfSpace,
-        ProximityProperties,
-        Sphere,
-    )
+    from pydrake.common.eigen_geometry import Quaternion
+    from pydrake.geometry import AddContactMaterial, CollisionFilterDeclaration, GeometrySet, ProximityProperties
     from pydrake.math import RigidTransform, RotationMatrix
     from pydrake.multibody.math import SpatialForce
     from pydrake.multibody.plant import (
@@ -36,23 +29,22 @@ with needed_for("worlds in Drake", "drake"):
     from pydrake.multibody.tree import FixedOffsetFrame, RevoluteJoint, SpatialInertia, UnitInertia
     from pydrake.systems.framework import DiagramBuilder
 
-CORNER = 1e-6  #: radius of the spheres in the place of corners and vertices, m: Drake finds one point a shape
 
+class DrakeWorld:
+    """A world of one robot."""
 
-class Drake:
-    """A world of one robot on the plane."""
+    contact_model = "point"  #: as Drake names it
+    approximation = "sap"  #: of contact in discrete time, as Drake names it, which says the solver as well
 
     def __init__(self, world: ServedWorld) -> None:
-        if world.terrain["columns"]:
-            raise ValueError(f"Drake's point contact takes the plane alone, not '{world.terrain['name']}'")
         self._world, self._robot = world, world.robot
         self._centre = np.array(self._robot["bodies"][0]["inertia"]["p_BC"])
         builder = DiagramBuilder()
         config = MultibodyPlantConfig(
             time_step=world.physics_dt,
             use_sampled_output_ports=False,  # contacts are asked of the step that begins
-            contact_model="point",
-            discrete_contact_approximation="sap",
+            contact_model=self.contact_model,
+            discrete_contact_approximation=self.approximation,
         )
         self._plant, scene = AddMultibodyPlant(config, builder)
         self._plant.mutable_gravity_field().set_gravity_vector(world.gravity)
@@ -82,7 +74,7 @@ class Drake:
         shift = self._centre if index == 0 else np.zeros(3)
         return RigidTransform(RotationMatrix(pose[:3, :3]), pose[:3, 3] - shift)
 
-    def _add_body(self, index: int, body: dict[str, Any]) -> None:
+    def _add_body(self, index: int, body: Mapping[str, Any]) -> None:
         mass, I_C = body["inertia"]["mass"], np.array(body["inertia"]["I_C"])
         p_BC = np.zeros(3) if index == 0 else np.array(body["inertia"]["p_BC"])
         about_centre = UnitInertia(*np.diag(I_C) / mass, I_C[0, 1] / mass, I_C[0, 2] / mass, I_C[1, 2] / mass)
@@ -103,43 +95,35 @@ class Drake:
         for number, shape in enumerate(body["shapes"]):
             self._add_shape(index, f"{index}.{number}", shape)
 
+    def _add_shape(self, index: int, name: str, shape: Mapping[str, Any]) -> None:
+        """Register what of a body may touch, by `_register`."""
+        raise NotImplementedError
+
+    def _add_ground(self) -> None:
+        """Register the ground, by `_register_ground`."""
+        raise NotImplementedError
+
+    def _contacts_of_this_step(self) -> list[EngineContact]:
+        """Return what touches where the step begins, with its forces."""
+        raise NotImplementedError
+
     def _properties(self) -> ProximityProperties:
         properties, mu = ProximityProperties(), self._world.contact["friction"]
         AddContactMaterial(properties=properties, friction=CoulombFriction(mu, mu))
         return properties
 
-    def _add_shape(self, index: int, name: str, shape: dict[str, Any]) -> None:
-        pose, size = np.array(shape["X_BG"]), np.array(shape["size"])
-        kind = shape["type"]
-        if kind == "cylinder":
-            self._register(index, name, pose, Cylinder(size[0], 2 * size[1]))
-            return
-        places, radius = {
-            "sphere": (np.zeros((1, 3)), size[0]),
-            "capsule": (np.array([[0, 0, size[1]], [0, 0, -size[1]]]), size[0]),
-            "box": (size * np.array(np.meshgrid([1, -1], [1, -1], [1, -1])).reshape(3, -1).T, CORNER),
-            "hull": (np.array(shape["vertices"]), CORNER),
-        }[kind]
-        for i, place in enumerate(places):
-            at = pose.copy()
-            at[:3, 3] += pose[:3, :3] @ place
-            geometry = self._register(index, f"{name}.{i}", at, Sphere(radius))
-            self._legs[geometry] = self._leg_of(index, kind, pose[:3, 3])
-
-    def _register(self, index: int, name: str, pose: Array, shape: Any) -> Any:
+    def _register(self, index: int, name: str, pose: Array, shape: Any, properties: ProximityProperties) -> Any:
         X_BG = self._in_body(index, pose)
-        return self._plant.RegisterCollisionGeometry(self._bodies[index], X_BG, shape, name, self._properties())
+        return self._plant.RegisterCollisionGeometry(self._bodies[index], X_BG, shape, name, properties)
+
+    def _register_ground(self, shape: Any, properties: ProximityProperties) -> None:
+        self._plant.RegisterCollisionGeometry(self._plant.world_body(), RigidTransform(), shape, "ground", properties)
 
     def _leg_of(self, index: int, kind: str, place: Array) -> int:
         for leg, model in enumerate(self._robot["legs"] or []):
             if model["foot_body"] == index and kind == "sphere" and np.allclose(place, model["p_BF"], atol=1e-9):
                 return leg
         return -1
-
-    def _add_ground(self) -> None:
-        self._plant.RegisterCollisionGeometry(
-            self._plant.world_body(), RigidTransform(), HalfSpace(), "ground", self._properties()
-        )
 
     def _add_constraints(self) -> None:
         for loop in self._robot["loops"]:
@@ -157,7 +141,8 @@ class Drake:
         """Put the robot into a state."""
         self._context.SetTime(0)
         base, still = self._bodies[0], self._world.fixed_base
-        X_WC = RigidTransform(_rotation(state.q_WB), state.p_WB + rotated(state.q_WB, self._centre))
+        turn = state.q_WB / np.linalg.norm(state.q_WB)
+        X_WC = RigidTransform(RotationMatrix(Quaternion(wxyz=turn)), state.p_WB + rotated(state.q_WB, self._centre))
         floating = self._plant.GetJointByName(base.name())
         floating.Unlock(self._of_plant)
         self._plant.SetFreeBodyPose(self._of_plant, base, X_WC)
@@ -202,29 +187,9 @@ class Drake:
         """Return the contacts of the step that was made."""
         return self._found
 
-    def _contacts_of_this_step(self) -> list[EngineContact]:
-        results = self._plant.get_contact_results_output_port().Eval(self._of_plant)
-        found = []
-        for i in range(results.num_point_pair_contacts()):
-            info = results.point_pair_contact_info(i)
-            pair = info.point_pair()
-            # The ground is one of the two; normals of Drake go from B to A, forces act on B.
-            ours_is_B = info.bodyA_index() == self._plant.world_body().index()
-            sign = 1.0 if ours_is_B else -1.0
-            index = self._body_of[info.bodyB_index() if ours_is_B else info.bodyA_index()]
-            place = info.contact_point()
-            found.append(
-                EngineContact(
-                    index,
-                    self._legs.get(pair.id_B if ours_is_B else pair.id_A, -1),
-                    place,
-                    np.array([0.0, 0.0, 1.0]),
-                    -pair.depth,
-                    sign * info.contact_force(),
-                    float(np.hypot(*self._velocity_at(index, place)[:2])),
-                )
-            )
-        return found
+    def _slip_at(self, body: int, place: Array, normal: Array) -> float:
+        velocity = self._velocity_at(body, place)
+        return float(np.linalg.norm(velocity - (velocity @ normal) * normal))
 
     def _velocity_at(self, body: int, place: Array) -> Array:
         V = self._plant.EvalBodySpatialVelocityInWorld(self._of_plant, self._bodies[body])
@@ -258,23 +223,17 @@ class Drake:
         return M.get_mass(), M.get_com() + shift, central.CalcRotationalInertia().CopyToFullMatrix3()
 
 
-def _rotation(q: Array) -> RotationMatrix:
-    from pydrake.common.eigen_geometry import Quaternion
-
-    return RotationMatrix(Quaternion(wxyz=q / np.linalg.norm(q)))
-
-
-if __name__ == "__main__":
+def serve_drake(engine: type[DrakeWorld], mode: str, law: str, **laws: str) -> None:
+    """Serve worlds of Drake's: `law` is that of contact, `laws` has those of loops and couplings."""
     serve_engine(
-        Drake,
+        engine,
         library="Drake",
         version=version("drake"),
-        mode="compliant point contact, SAP",
-        laws={
-            "contact": "drake_point/sap",
-            "loops": "drake_ball",
-            "couplings": "drake_coupler",
-            "contact_family": "compliant",
-        },
+        mode=mode,
+        laws={"contact": law, "contact_family": "compliant", **laws},
         capabilities={"exact_field_query": True},
     )
+
+
+#: Laws of what SAP solves beside contact.
+CONSTRAINTS = {"loops": "drake_ball", "couplings": "drake_coupler"}

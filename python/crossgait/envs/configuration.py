@@ -19,8 +19,11 @@ def make_config(
     """Read `config` and set `keys` in it, and `terms`; those that are None leave it as it is.
 
     Without a `config`, or in a mapping that does not say so, the action is `action` and the engine the first available
-    one. Raises ConfigError, also if the configuration's action is another than `action`, "gait" or "joints".
+    one. Raises ConfigError, also if the configuration's action is another than `action`, "gait" or "joints"; TypeError
+    if that is empty, as in the classes that environments share.
     """
+    if not action:
+        raise TypeError("the class says no `action`: make an AdaptiveGait or a JointControl environment")
     if config is None or isinstance(config, Mapping):
         beginning = {"action": action, "engine": available_engines()[0]} | dict(config or {})
         made = EnvironmentConfig.from_dict(beginning, "config")

@@ -45,7 +45,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
 
     metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array", "depth_array"], "render_fps": 50}  # noqa: RUF012
     #: "gait" or "joints".
-    action: ClassVar[str]
+    action: ClassVar[str] = ""
 
     def __init__(
         self,

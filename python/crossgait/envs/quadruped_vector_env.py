@@ -64,7 +64,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
     #: "gait" or "joints".
-    action: ClassVar[str]
+    action: ClassVar[str] = ""
 
     def __init__(
         self,
