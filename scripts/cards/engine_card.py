@@ -1,4 +1,6 @@
 """What the cards of engines say of `crossgait conformance`: scripts/cards/engine-cards and scripts/cards/served-cards."""
+import re
+
 from cards import table
 
 
@@ -47,11 +49,15 @@ def summary(cards):
 
 
 def failures(cards):
+    """A line for each check that failed, and one for all that failed by the same words, names in quotes apart."""
     lines = []
     for one in cards:
+        alike = {}
         for check in (c for c in one["checks"] if c["status"] == "failed"):
             said = [f"{label_of(m)} {text_of(m['value'])}, not {bound_of(m)}" for m in check["measurements"] if not m["holds"]]
-            lines.append(f"- `{one['engine']['name']}`, {check['name']}: {'; '.join(said + [check['reason']] * bool(check['reason']))}")
+            text = "; ".join(said + [check["reason"]] * bool(check["reason"]))
+            alike.setdefault(re.sub(r"\B'[^']*'", "", text), (text, []))[1].append(check["name"])
+        lines += [f"- `{one['engine']['name']}`, {', '.join(names)}: {text}" for text, names in alike.values()]
     return "\n".join(lines) or "None."
 
 

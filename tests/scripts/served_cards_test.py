@@ -37,7 +37,9 @@ def card(engine, **statuses):
 class ServedCards(unittest.TestCase):
     def setUp(self):
         self.script = script()
-        cards = [card("python:one", gravity="failed", push="passed"), card("python:one_more", push="failed")]
+        # Two that failed by the same words, of which there are none, share a line.
+        both = card("python:both", gravity="failed", push="failed")
+        cards = [card("python:one", gravity="failed", push="passed"), card("python:one_more", push="failed"), both]
         self.page = self.script.page_of(cards, [["`robot`", "flat", "1e-07", "2e-06"]], "today", 2)
 
     def says(self, cards, beyond=()):
@@ -51,6 +53,11 @@ class ServedCards(unittest.TestCase):
         )
         self.assertEqual(code, 0)
         self.assertIn("as on its card", said)
+
+    def test_checks_that_failed_alike_are_each_known(self):
+        code, said = self.says([card("python:both", gravity="passed", push="failed")])
+        self.assertEqual(code, 1)
+        self.assertIn("python:both: gravity passes, other than on the page", said)
 
     def test_another_failure_one_that_is_gone_and_a_distance_beyond_its_bound_do_not(self):
         code, said = self.says([card("python:one", gravity="passed", push="failed")], ["robot on flat is far"])
