@@ -154,9 +154,10 @@ void bind_kinematics(nb::module_& m) {
       .def_prop_ro(
           "kind", [](const RobotLeg& l) { return std::string(name(l.kinematics.kind())); },
           "five_bar, serial or least_squares.")
-      .def("__repr__", [](const RobotLeg& l) {
-        return fmt::format("<crossgait.Leg {}, {}>", name(l.which), name(l.kinematics.kind()));
-      })
+      .def("__repr__",
+           [](const RobotLeg& l) {
+             return fmt::format("<crossgait.Leg {}, {}>", name(l.which), name(l.kinematics.kind()));
+           })
       .def_prop_ro("servos", &servo_names, "Names of its driven joints, in the order of angles.")
       .def_prop_ro(
           "servo_indices",

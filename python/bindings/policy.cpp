@@ -189,7 +189,8 @@ void bind_network(nb::module_& m) {
       .def("evaluate", &evaluate, nb::arg("observations"),
            "Outputs [n, act] of raw observations [n, obs], in double precision and not clipped to the "
            "action's bounds. Raises ConfigError for another width.")
-      .def("__repr__", [](const MlpNetwork& n) { return "<crossgait.policies.MlpNetwork " + sizes_of(n) + ">"; });
+      .def("__repr__",
+           [](const MlpNetwork& n) { return "<crossgait.policies.MlpNetwork " + sizes_of(n) + ">"; });
 }
 
 void bind_bundle(nb::module_& m) {

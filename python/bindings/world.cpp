@@ -238,10 +238,10 @@ void bind_contacts(nb::module_& m) {
       .def_ro("force", &Contact::force, "On the robot, in W, N.")
       .def_ro("slip_speed", &Contact::slip_speed, "m/s.")
       .def("__repr__", [](const Contact& c) {
-        const std::string of = c.leg < 0 ? fmt::format("body {}", c.body)
-                                         : std::string(name(static_cast<Leg>(c.leg)));
-        return fmt::format("<crossgait.Contact of {} at ({:.4f}, {:.4f}, {:.4f}) m, {:.4g} N, {:.3g} m deep>", of,
-                           c.p_WP.x(), c.p_WP.y(), c.p_WP.z(), c.force.norm(), -c.distance);
+        const std::string of =
+            c.leg < 0 ? fmt::format("body {}", c.body) : std::string(name(static_cast<Leg>(c.leg)));
+        return fmt::format("<crossgait.Contact of {} at ({:.4f}, {:.4f}, {:.4f}) m, {:.4g} N, {:.3g} m deep>",
+                           of, c.p_WP.x(), c.p_WP.y(), c.p_WP.z(), c.force.norm(), -c.distance);
       });
   nb::class_<FootContact>(m, "FootContact", "All contact points of one foot together.")
       .def_ro("touching", &FootContact::touching)
@@ -250,7 +250,8 @@ void bind_contacts(nb::module_& m) {
       .def_ro("slip_speed", &FootContact::slip_speed, "At the deepest point, m/s.")
       .def_ro("penetration", &FootContact::penetration, "Penetration of the deepest point, m.")
       .def("__repr__", [](const FootContact& f) {
-        return f.touching ? fmt::format("<crossgait.FootContact of {:.4g} N, {:.3g} m deep>", f.force.norm(), f.penetration)
+        return f.touching ? fmt::format("<crossgait.FootContact of {:.4g} N, {:.3g} m deep>", f.force.norm(),
+                                        f.penetration)
                           : std::string("<crossgait.FootContact: none>");
       });
   nb::class_<Snapshot>(m, "Snapshot", "A saved instant of a world: restoring it continues bit for bit.")

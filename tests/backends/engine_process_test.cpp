@@ -1,9 +1,11 @@
 // What worlds of every engine leave to the process that made them, and to the machine if that is killed.
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -52,38 +54,30 @@ TEST_P(EngineProcess, GetsTheMemoryOfItsWorldsBack) {
   EXPECT_LT(after, before + 100 * kWorlds);
 }
 
-[[noreturn]] void walk_for_ever(const std::string& engine, int told) {
+// Walks in `folder` until it is killed, `milliseconds` after its first step.
+void walk_and_be_killed(const std::string& engine, const fs::path& folder, int milliseconds) {
+  ::setenv("TMPDIR", folder.c_str(), 1);
+  fs::current_path(folder);
   const auto world = make_world(engine, scenes::world_of(scenes::quadruped()));
   const scenes::Trot motion(world->robot());
   for (int i = 0;; ++i) {
-    if (world->step(motion.targets(i * world->spec().physics_dt)) != StepStatus::kOk) ::_exit(1);
-    if (i == 0 && ::write(told, "1", 1) != 1) ::_exit(1);
+    if (world->step(motion.targets(i * world->spec().physics_dt)) != StepStatus::kOk) return;
+    if (i == 0) {
+      std::thread([milliseconds] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+        ::kill(::getpid(), SIGKILL);
+      }).detach();
+    }
   }
 }
 
 TEST_P(EngineProcess, LeavesNothingWhereItIsKilled) {
-  ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // what a killed process had started is this one's then
-  const fs::path folder = fs::current_path() / ("killed_" + std::to_string(::getpid()));
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // in a program of its own, as PhysX refuses a fork
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1);              // what a killed process had started is this one's then
+  const fs::path folder = fs::current_path() / ("killed_" + test_name(GetParam()));
   fs::create_directory(folder);
-  for (int kills = 0; kills < 5; ++kills) {
-    int ends[2];
-    ASSERT_EQ(::pipe(ends), 0);
-    const pid_t child = ::fork();
-    if (child == 0) {
-      ::setenv("TMPDIR", folder.c_str(), 1);
-      fs::current_path(folder);
-      walk_for_ever(GetParam(), ends[1]);
-    }
-    ::close(ends[1]);
-    char byte = 0;
-    EXPECT_EQ(::read(ends[0], &byte, 1), 1);  // it walks
-    ::usleep(static_cast<useconds_t>(1'500 * kills));
-    ::kill(child, SIGKILL);
-    int status = 0;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    EXPECT_TRUE(WIFSIGNALED(status));
-    ::close(ends[0]);
-  }
+  for (int kills = 0; kills < 5; ++kills)
+    EXPECT_EXIT(walk_and_be_killed(GetParam(), folder, 2 * kills), ::testing::KilledBySignal(SIGKILL), "");
   EXPECT_TRUE(fs::is_empty(folder));
   EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a process that it had started lives on";
   fs::remove_all(folder);
