@@ -13,7 +13,6 @@
 
 #include "physics/core/error.h"
 #include "physics/core/hash.h"
-#include "python/bindings/robot.h"
 
 namespace crossgait::python {
 namespace {
@@ -89,11 +88,16 @@ void refuse_keywords(const char* name, const nb::kwargs& unknown, const std::vec
   if (unknown.size() > 0) nb::module_::import_("crossgait.signatures").attr("refuse")(name, unknown, known);
 }
 
-std::string robot_text(nb::handle value, const std::string& source) {
-  if (const auto text = path_text(value)) return *text;
+Robot robot_of(nb::handle value, const std::string& source) {
+  if (const auto text = path_text(value)) return load(*text);
   if (!nb::isinstance<Robot>(value))
     throw ConfigError(source, "robot", "a name, a file or a Robot", type_called(value));
-  return nb::cast<const Robot&>(value).from;
+  return nb::cast<const Robot&>(value);
+}
+
+std::string robot_text(nb::handle value, const std::string& source) {
+  const auto text = path_text(value);
+  return text ? *text : robot_of(value, source).from;
 }
 
 }  // namespace crossgait::python

@@ -8,6 +8,7 @@
 #include <nanobind/nanobind.h>
 
 #include "physics/terrain/terrain.h"
+#include "python/bindings/robot.h"
 
 namespace crossgait::python {
 
@@ -17,6 +18,15 @@ std::string terrain_text(nanobind::handle value, const std::string& source);
 
 /// Returns the name or file of a robot, or of a `Robot`. @throws ConfigError likewise
 std::string robot_text(nanobind::handle value, const std::string& source);
+
+/// Takes anything, so that what is no robot is refused in words of its own; what it says in signatures.
+class RobotLike : public nanobind::object {
+  NB_OBJECT_DEFAULT(RobotLike, nanobind::object, "Robot | str | os.PathLike[str]",
+                    [](const PyObject*) { return true; })
+};
+/// Returns a robot, or the one of a name or a file. @throws ConfigError likewise, and for one that cannot be
+/// read
+Robot robot_of(nanobind::handle value, const std::string& source);
 
 /// Takes anything, so that what is no terrain is refused in words of its own; what it says in signatures.
 class TerrainLike : public nanobind::object {

@@ -18,6 +18,7 @@
 #include "physics/core/error.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/inputs.h"
 #include "python/bindings/interruption.h"
 #include "python/bindings/job.h"
 #include "python/bindings/robot.h"
@@ -136,8 +137,8 @@ nb::dict workspace(const RobotLeg& leg, const std::array<int, 3>& count,
   return result;
 }
 
-nb::dict legs_of(const RobotChoice& chosen) {
-  const Robot robot = robot_of(chosen);
+nb::dict legs_of(const RobotLike& chosen) {
+  const Robot robot = robot_of(chosen, "legs");
   nb::dict legs;
   for (const Leg leg : kLegs)
     legs[name(leg).data()] = RobotLeg{robot.description, leg, make_leg_kinematics(*robot.description, leg)};

@@ -23,12 +23,6 @@
 namespace crossgait::python {
 namespace {
 
-Robot load(const std::string& name_or_file) {
-  LoadedRobot loaded = load_robot_with_report(find_robot(name_or_file));
-  return {name_or_file, std::make_shared<const RobotDescription>(std::move(loaded.robot)),
-          std::move(loaded.report)};
-}
-
 /// Reads a mesh as arrays: vertices, N x 3, and triangles of them, M x 3.
 nb::tuple read_mesh(const std::string& file) {
   const TriangleMesh mesh = read_mesh_triangles(file);
@@ -127,6 +121,12 @@ std::vector<std::string> joint_names(const RobotDescription& robot, bool actuate
   return names;
 }
 
+Robot load(const std::string& name_or_file) {
+  LoadedRobot loaded = load_robot_with_report(find_robot(name_or_file));
+  return {name_or_file, std::make_shared<const RobotDescription>(std::move(loaded.robot)),
+          std::move(loaded.report)};
+}
+
 std::vector<std::string> body_names(const RobotDescription& robot) {
   std::vector<std::string> names;
   for (const Body& body : robot.bodies) names.push_back(body.name);
@@ -138,11 +138,6 @@ int body_index(const RobotDescription& robot, const std::string& name, const std
     if (robot.bodies[i].name == name) return static_cast<int>(i);
   }
   throw ConfigError(source, "body", fmt::format("one of {}", fmt::join(body_names(robot), ", ")), name);
-}
-
-Robot robot_of(const RobotChoice& choice) {
-  const auto* robot = std::get_if<Robot>(&choice);
-  return robot != nullptr ? *robot : load(std::get<std::filesystem::path>(choice).string());
 }
 
 void bind_robot(nb::module_& m) {

@@ -1,10 +1,8 @@
 // Robots as Python holds them.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "physics/robot_files/robot_report.h"
@@ -18,10 +16,8 @@ struct Robot {
   RobotReport report;
 };
 
-/// A robot, or its name or file.
-using RobotChoice = std::variant<Robot, std::filesystem::path>;
-/// @throws ConfigError for one that cannot be read
-Robot robot_of(const RobotChoice& choice);
+/// Reads a robot by its name or file. @throws ConfigError
+Robot load(const std::string& name_or_file);
 
 std::vector<std::string> joint_names(const RobotDescription& robot, bool actuated_only);
 std::vector<std::string> body_names(const RobotDescription& robot);

@@ -49,12 +49,12 @@ Vector3 vector3(const nb::object& given, const char* what) {
   return {array.data()[0], array.data()[1], array.data()[2]};
 }
 
-std::unique_ptr<PhysicsBackend> make_world(const RobotChoice& chosen, const TerrainLike& ground,
+std::unique_ptr<PhysicsBackend> make_world(const RobotLike& chosen, const TerrainLike& ground,
                                            const std::string& engine, std::optional<double> friction,
                                            const std::string& contact, double physics_dt,
                                            const ArrayLike& gravity, bool fixed_base) {
   WorldSpec spec;
-  const Robot robot = robot_of(chosen);
+  const Robot robot = robot_of(chosen, "world");
   spec.robot = robot.description;
   spec.terrain = terrain_of(ground, "world");
   spec.physics_dt = physics_dt;

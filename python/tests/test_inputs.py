@@ -253,6 +253,8 @@ WRONG: list[tuple[str, Callable[[], Any], str]] = [
     ),
     ("heights without a size", lambda: Terrain.from_heights(HEIGHTS), r"heights: size_x, size_y: expected both"),
     ("heights of one row", lambda: Terrain.from_heights(HEIGHTS[0], size_x=1, size_y=1), r"two dimensions, found 1"),
+    ("no robot for a world", lambda: crossgait.World(3), r"world: robot: expected .* or a Robot, found int"),
+    ("no robot for legs", lambda: crossgait.legs(3), r"legs: robot: expected .* or a Robot, found int"),
     ("a robot that is none", lambda: Walk(robot=3), r"Walk: robot: expected a name, a file or a Robot, found int"),
     ("names that are none", lambda: crossgait.bench(sections=[3]), r"bench: sections: expected names, found 3"),
     ("an unknown check", lambda: crossgait.conformance("mujoco", only="contact"), r"found contact"),

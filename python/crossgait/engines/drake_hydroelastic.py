@@ -111,19 +111,20 @@ def _least_size(shape: Mapping[str, Any]) -> float:
 
 def _farthest(shape: Mapping[str, Any], along: Array) -> Array:
     """Return the point of a shape that is farthest along a unit vector, both in the shape's own frame, m."""
-    kind, size = shape["type"], shape["size"]
-    if kind == "sphere":
-        return size[0] * along
-    if kind == "capsule":
-        return size[0] * along + [0, 0, np.copysign(size[1], along[2])]
-    if kind == "cylinder":
-        rim = along[:2] / max(np.linalg.norm(along[:2]), 1e-300)
-        return np.array([*(size[0] * rim), np.copysign(size[1], along[2])])
-    if kind == "box":
-        return np.copysign(size, along)
-    vertices = np.array(shape["vertices"])
-    farthest: Array = vertices[np.argmax(vertices @ along)]
-    return farthest
+    kind = shape["type"]
+    size: Array = np.array(shape["size"])
+    point: Array = size[0] * along
+    if kind == "hull":
+        vertices: Array = np.array(shape["vertices"])
+        point = vertices[np.argmax(vertices @ along)]
+    elif kind == "box":
+        point = np.copysign(size, along)
+    elif kind == "cylinder":
+        away: Array = np.array([along[0], along[1], 0])
+        point = size[0] / max(float(np.linalg.norm(away)), 1e-300) * away
+    if kind in ("capsule", "cylinder"):
+        point = point + np.array([0, 0, np.copysign(size[1], along[2])])
+    return point
 
 
 def _mesh_of(heights: Array, terrain: Mapping[str, Any]) -> Mesh:
