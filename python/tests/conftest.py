@@ -6,6 +6,7 @@ import os
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 
+import numpy as np
 import pytest
 
 import crossgait
@@ -15,6 +16,12 @@ import crossgait
 def engine(request: pytest.FixtureRequest) -> str:
     """Every engine that is available here."""
     return str(request.param)
+
+
+def epsilon(*engines: str) -> float:
+    """Distance from 1 to the next number of the one that computes in least precision."""
+    precision = {engine.name: engine.precision for engine in crossgait.engines()}
+    return max(float(np.finfo(precision[name]).eps) for name in engines)
 
 
 @pytest.fixture(scope="session")

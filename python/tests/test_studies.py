@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import epsilon
 
 import crossgait
 from crossgait import ConfigError, Controller, EnvironmentConfig, FunctionPolicy, Robot, State, Trace, Walk
@@ -314,8 +315,9 @@ def test_a_behaviour_of_ones_own_is_walked_compared_and_judged(scara: Robot) -> 
     assert without_the_run(once.document) == without_the_run(twice.document)
     assert once.document["gait"] == "sway"
     compared = crossgait.compare(behaviour)
-    same = [pair for pair in compared.pairs if pair["same_laws"]]
-    assert all(pair["max_position_difference_m"] < 1e-10 for pair in same)  # rounding; measured 1e-13
+    for pair in (pair for pair in compared.pairs if pair["same_laws"]):
+        # Rounding of 250 steps; measured 1e-13 in double precision.
+        assert pair["max_position_difference_m"] < 1e-10 + 10 * epsilon(pair["a"], pair["b"])
     judged = crossgait.verdict(behaviour, starts=6)
     assert judged.document["behaviour"].startswith("sway")
     assert without_the_run(judged.document) == without_the_run(
