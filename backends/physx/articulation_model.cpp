@@ -15,6 +15,12 @@ namespace {
 
 using Flag = px::PxArticulationCacheFlag;
 
+/// How far the base may be from PhysX's origin, m, either way along x and along y: places are then as fine as
+/// 1 um. The origin stands at multiples of it, so that what is subtracted leaves no rounding.
+constexpr double kFar = 16;
+
+double origin_for(double place) { return std::abs(place) > kFar ? kFar * std::round(place / kFar) : 0; }
+
 px::PxArticulationCacheFlags state_flags() {
   return Flag::eROOT_TRANSFORM | Flag::eROOT_VELOCITIES | Flag::ePOSITION | Flag::eVELOCITY;
 }
@@ -101,12 +107,14 @@ void ArticulationModel::add_loops(const Settings& settings) {
 void ArticulationModel::apply_state() { articulation_->applyCache(*cache(), state_flags()); }
 
 void ArticulationModel::set_state(const RobotState& state) {
-  const Pose X_WP = make_pose(state.q_WB.normalized(), state.p_WB) * X_BP(0);
+  origin_ = {origin_for(state.p_WB.x()), origin_for(state.p_WB.y()), 0};
+  const Pose X_WP = make_pose(state.q_WB.normalized(), state.p_WB - origin_) * X_BP(0);
   px::PxArticulationRootLinkData& root = *cache()->rootLinkData;
   root.transform = transform(X_WP);
   root.worldLinVel = root.worldAngVel = px::PxVec3(0);
   if (!spec_.fixed_base) {
-    root.worldLinVel = vector(Vector3(state.v_WB + state.w_WB.cross(X_WP.translation() - state.p_WB)));
+    root.worldLinVel =
+        vector(Vector3(state.v_WB + state.w_WB.cross(X_WP.translation() - (state.p_WB - origin_))));
     root.worldAngVel = vector(state.w_WB);
   }
   for (std::size_t i = 0; i < dofs_.size(); ++i) {
@@ -122,13 +130,20 @@ void ArticulationModel::get_state(RobotState& state) const {
   // Its floats are a unit quaternion to their rounding alone.
   state.q_WB = (quaternion(root.transform.q) * Quaternion(X_BP.linear()).conjugate()).normalized();
   const Vector3 p_BC_W = state.q_WB * Vector3(X_BP.translation());
-  state.p_WB = vector(root.transform.p) - p_BC_W;
+  state.p_WB = origin_ + (vector(root.transform.p) - p_BC_W);
   state.w_WB = vector(root.worldAngVel);
   state.v_WB = vector(root.worldLinVel) - state.w_WB.cross(p_BC_W);
   for (std::size_t i = 0; i < dofs_.size(); ++i) {
     state.q[static_cast<Eigen::Index>(i)] = cache()->jointPosition[dofs_[i]];
     state.qd[static_cast<Eigen::Index>(i)] = cache()->jointVelocity[dofs_[i]];
   }
+}
+
+void ArticulationModel::recentre() noexcept {
+  px::PxVec3& p = cache()->rootLinkData->transform.p;
+  const Vector3 way(origin_for(p.x), origin_for(p.y), 0);
+  origin_ += way;
+  p -= vector(way);
 }
 
 // PhysX's drive makes  clamp(K (target - q') - D v', +-most)  (PxArticulationDrive), of q' = q + h v', which
@@ -201,7 +216,9 @@ void ArticulationModel::contact_forces(const Vector3& push, std::vector<Vector3>
 }
 
 Pose ArticulationModel::body_pose(int body) const {
-  return pose(link(body).getGlobalPose()) * X_BP(body).inverse();
+  Pose X_WB = pose(link(body).getGlobalPose()) * X_BP(body).inverse();
+  X_WB.translation() += origin_;
+  return X_WB;
 }
 
 SpatialInertia ArticulationModel::body_inertia(int body) const {
@@ -268,6 +285,7 @@ void ArticulationModel::save(std::vector<double>& numbers) const {
     numbers.insert(numbers.end(), {v.x, v.y, v.z});
   numbers.insert(numbers.end(), cache()->jointPosition, cache()->jointPosition + dofs_.size());
   numbers.insert(numbers.end(), cache()->jointVelocity, cache()->jointVelocity + dofs_.size());
+  numbers.insert(numbers.end(), {origin_.x(), origin_.y()});
 }
 
 void ArticulationModel::restore(const double* numbers) {
@@ -280,6 +298,7 @@ void ArticulationModel::restore(const double* numbers) {
     *number = next();
   for (float* values : {cache()->jointPosition, cache()->jointVelocity})
     for (std::size_t i = 0; i < dofs_.size(); ++i) values[i] = next();
+  origin_ = {numbers[0], numbers[1], 0};
   apply_state();
 }
 

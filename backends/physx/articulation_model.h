@@ -26,7 +26,8 @@ namespace crossgait::physx {
 /// poses go in and come out as they are.
 ///
 /// The state is float32 numbers in PhysX's cache; every step begins by giving them to PhysX anew, so that
-/// nothing else is carried from step to step.
+/// nothing else is carried from step to step. PhysX's origin follows the base: places are float32 numbers
+/// from there, which are as fine 10 km away as at home.
 class ArticulationModel {
  public:
   /// @throws std::runtime_error if PhysX refuses a part
@@ -37,6 +38,10 @@ class ArticulationModel {
 
   void set_state(const RobotState& state);
   void get_state(RobotState& state) const;
+  /// Moves PhysX's origin towards the base where that is far from it; the state stays the same.
+  void recentre() noexcept;
+  /// Returns where PhysX's origin is in W, m.
+  const Vector3& origin() const { return origin_; }
   /// Hands the state and torques (N m) to PhysX, the drives of implicit servos, and a wrench on the base, its
   /// force at the centre of mass.
   void apply(const JointVector& tau, std::span<const ImplicitServo> servos, const Wrench& base);
@@ -55,7 +60,7 @@ class ArticulationModel {
   /// has beside gravity, joints and the push that was applied.
   void contact_forces(const Vector3& push, std::vector<Vector3>& by_group) const;
 
-  Pose body_pose(int body) const;
+  Pose body_pose(int body) const;  ///< in W
   SpatialInertia body_inertia(int body) const;
   Eigen::MatrixXd mass_matrix();
   double joint_friction(int joint) const;  ///< N m
@@ -77,6 +82,7 @@ class ArticulationModel {
 
   const WorldSpec& spec_;
   Articulation articulation_;
+  Vector3 origin_ = Vector3::Zero();
   std::vector<Pose> X_BP_;
   std::vector<px::PxArticulationLink*> links_;  ///< by body
   std::vector<std::size_t> indices_;            ///< by body: PhysX's index of its link

@@ -22,8 +22,9 @@ std::vector<contact::BodyFeature> features_of(const RobotDescription& robot, int
 }  // namespace
 
 FeatureGeometry::FeatureGeometry(const RobotDescription& robot, int body, int shape, const Terrain& terrain,
-                                 double margin)
-    : kinematics_{{},
+                                 double margin, const Vector3& origin)
+    : origin_(&origin),
+      kinematics_{{},
                   [this](int, const Vector3& p_GP) { return Vector3(X_WG_ * p_GP); },
                   [this](int, const Vector3& v_G) { return Vector3(X_WG_.linear() * v_G); },
                   {}},
@@ -38,11 +39,13 @@ FeatureGeometry::FeatureGeometry(const RobotDescription& robot, int body, int sh
 bool FeatureGeometry::touch(const px::PxTransform& X_WG, bool ground_first,
                             px::PxContactBuffer& contacts) const {
   X_WG_ = pose(X_WG);
+  X_WG_.translation() += *origin_;
   points_.clear();
   finder_.find(kinematics_, points_);
   for (const contact::ContactPoint& point : points_) {
     const Vector3 normal = ground_first ? Vector3(-point.normal) : point.normal;
-    contacts.contact(vector(point.p_WP), vector(normal), static_cast<float>(point.distance));
+    contacts.contact(vector(Vector3(point.p_WP - *origin_)), vector(normal),
+                     static_cast<float>(point.distance));
   }
   return points_.count > 0;
 }

@@ -50,11 +50,13 @@ class ContactGeometry : public px::PxCustomGeometry::Callbacks {
 class FeatureGeometry final : public ContactGeometry {
  public:
   /// @param margin  how far above the ground points count, m
-  FeatureGeometry(const RobotDescription& robot, int body, int shape, const Terrain& terrain, double margin);
+  /// @param origin  PhysX's in W, which may move
+  FeatureGeometry(const RobotDescription& robot, int body, int shape, const Terrain& terrain, double margin,
+                  const Vector3& origin);
 
-  /// Finds contacts of the shape in this pose.
+  /// Finds contacts of the shape in this pose from PhysX's origin, and hands them over from there.
   bool touch(const px::PxTransform& X_WG, bool ground_first, px::PxContactBuffer& contacts) const;
-  /// Returns what `touch` found since `forget`.
+  /// Returns what `touch` found since `forget`, in W.
   const contact::ContactPoints& points() const noexcept { return points_; }
   void forget() noexcept { points_.clear(); }
 
@@ -64,6 +66,7 @@ class FeatureGeometry final : public ContactGeometry {
                         px::PxReal margin, px::PxReal length, px::PxContactBuffer& contacts) const override;
 
  private:
+  const Vector3* origin_;
   mutable Pose X_WG_ = Pose::Identity();
   contact::BodyKinematics kinematics_;
   contact::ContactFinder finder_;

@@ -102,6 +102,7 @@ class PhysxBackend final : public PhysicsBackend, public LosableWorld {
         !(base.torque.norm() < kMost))
       return StepStatus::kDiverged;
     push_ = base.force;
+    model_->recentre();
     if (couplings_.empty()) {
       simulate(tau, base);
     } else {
@@ -112,7 +113,7 @@ class PhysxBackend final : public PhysicsBackend, public LosableWorld {
 
   void simulate(const JointVector& tau, const Wrench& base) noexcept {
     model_->apply(tau, implicit_servos(), base);
-    contacts_->begin_step(*scene_);
+    contacts_->begin_step(*scene_, *model_);
     scene_->simulate(static_cast<float>(spec().physics_dt));
     scene_->fetchResults(true);
     poisoned_ = !model_->take();

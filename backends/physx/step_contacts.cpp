@@ -91,8 +91,8 @@ void StepContacts::add_shape(px::PxArticulationLink& link, const ArticulationMod
   Pose X_BG = described.X_BG;
   if (field_ == nullptr) geometry = plane_geometry(described);
   if (geometry.getType() == px::PxGeometryType::eINVALID) {
-    own.features =
-        std::make_unique<FeatureGeometry>(robot, body, index, spec_.terrain, margin + kGroundOffset);
+    own.features = std::make_unique<FeatureGeometry>(robot, body, index, spec_.terrain,
+                                                     margin + kGroundOffset, model.origin());
     geometry = px::PxGeometryHolder(px::PxCustomGeometry(*own.features));
   } else {
     X_BG = geometry_pose(described);
@@ -106,8 +106,11 @@ void StepContacts::add_shape(px::PxArticulationLink& link, const ArticulationMod
   shape->release();
 }
 
-void StepContacts::begin_step(px::PxScene& scene) {
+void StepContacts::begin_step(px::PxScene& scene, const ArticulationModel& model) {
   forget();
+  // The plane is everywhere.
+  const px::PxVec3 place = vector(Vector3(-model.origin()));
+  if (field_ && ground_->getGlobalPose().p != place) ground_->setGlobalPose(px::PxTransform(place));
   scene.resetFiltering(*ground_);
 }
 
@@ -133,7 +136,7 @@ void StepContacts::onContact(const px::PxContactPairHeader& /*header*/, const px
   }
 }
 
-void StepContacts::list(const Shape& shape, ContactList& contacts) const noexcept {
+void StepContacts::list(const Shape& shape, const Vector3& origin, ContactList& contacts) const noexcept {
   const auto add = [&](Contact contact, const Vector3& impulse) {
     contact.body = shape.body;
     contact.leg = shape.leg;
@@ -147,7 +150,7 @@ void StepContacts::list(const Shape& shape, ContactList& contacts) const noexcep
       contact.normal = vector(point.normal);
       contact.distance = point.separation;
       // PhysX's point is on the robot's surface.
-      contact.p_WP = vector(point.position) - contact.distance / 2 * contact.normal;
+      contact.p_WP = origin + (vector(point.position) - contact.distance / 2 * contact.normal);
       add(contact, vector(point.impulse));
     }
     return;
@@ -158,7 +161,7 @@ void StepContacts::list(const Shape& shape, ContactList& contacts) const noexcep
     contact.normal = found.normal;
     contact.distance = found.distance;
     contact.p_WP = found.p_WP;
-    const px::PxVec3 position = vector(found.p_WP);
+    const px::PxVec3 position = vector(Vector3(found.p_WP - origin));
     px::PxVec3 impulse(0);
     for (px::PxU32 k = 0; k < shape.count; ++k)
       if (shape.points[k].position == position) impulse = shape.points[k].impulse;
@@ -187,12 +190,12 @@ void StepContacts::add_friction(const ArticulationModel& model, const Vector3& p
 
 void StepContacts::read(const ArticulationModel& model, const Vector3& push,
                         ContactList& contacts) const noexcept {
-  for (const auto& shape : shapes_) list(*shape, contacts);
+  for (const auto& shape : shapes_) list(*shape, model.origin(), contacts);
   add_friction(model, push, contacts);
   for (int i = 0; i < contacts.count; ++i) {
     Contact& contact = contacts.points[static_cast<std::size_t>(i)];
     const px::PxSpatialVelocity& before = model.velocity_before(contact.body);
-    const Vector3 lever = contact.p_WP - vector(model.link(contact.body).getGlobalPose().p);
+    const Vector3 lever = contact.p_WP - model.origin() - vector(model.link(contact.body).getGlobalPose().p);
     const Vector3 v = vector(before.linear) + vector(before.angular).cross(lever);
     contact.slip_speed = (v - contact.normal * contact.normal.dot(v)).norm();
   }

@@ -25,8 +25,8 @@ class StepContacts final : public px::PxSimulationEventCallback {
   /// Forgets the contacts of the last step.
   void forget() noexcept;
   /// Makes every step find its contacts anew: PhysX keeps where a patch stuck and would hold it there, no
-  /// part of a state that can be saved.
-  void begin_step(px::PxScene& scene);
+  /// part of a state that can be saved. Puts the ground where PhysX's origin leaves it.
+  void begin_step(px::PxScene& scene, const ArticulationModel& model);
   /// Reads contacts of the step that was taken.
   void read(const ArticulationModel& model, const Vector3& push, ContactList& contacts) const noexcept;
 
@@ -48,7 +48,7 @@ class StepContacts final : public px::PxSimulationEventCallback {
   };
 
   void add_shape(px::PxArticulationLink& link, const ArticulationModel& model, int body, int shape);
-  void list(const Shape& shape, ContactList& contacts) const noexcept;
+  void list(const Shape& shape, const Vector3& origin, ContactList& contacts) const noexcept;
   void add_friction(const ArticulationModel& model, const Vector3& push,
                     ContactList& contacts) const noexcept;
 

@@ -34,7 +34,8 @@ void bind_engines(nb::module_& m) {
       .def_prop_ro(
           "mode", [](const EngineListing& e) { return e.info.mode; }, "Its contact mode in words.")
       .def_prop_ro(
-          "precision", [](const EngineListing& e) { return std::string(name_of(e.info.capabilities.precision)); },
+          "precision",
+          [](const EngineListing& e) { return std::string(name_of(e.info.capabilities.precision)); },
           "float64 or float32: what it computes in.")
       .def_prop_ro(
           "laws", [](const EngineListing& e) { return laws(e.info); },

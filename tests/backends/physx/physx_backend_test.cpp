@@ -199,6 +199,53 @@ TEST(PhysxDivergence, OfAPushIsAnOutcomeAndTheWorldWorksAfterAReset) {
   }
 }
 
+// Float32 numbers of 10 km are a millimetre apart: a robot that walked on and on fell by that.
+TEST(PhysxPlaces, AreAsFineFarAwayAsAtHome) {
+  const Vector3 away(5000 * 16, -3000 * 16, 0);
+  for (const char* name : kNames) {
+    const auto here = find(name)->make(scenes::world_of(scenes::quadruped())),
+               there = find(name)->make(scenes::world_of(scenes::quadruped()));
+    RobotState moved = here->state();
+    moved.p_WB += away;
+    there->reset(moved);
+    const scenes::Trot motion(here->robot());
+    for (int i = 0; i < 300; ++i) {
+      for (PhysicsBackend* world : {here.get(), there.get()})
+        ASSERT_EQ(world->step(motion.targets(i * world->spec().physics_dt)), StepStatus::kOk);
+    }
+    EXPECT_LT((there->state().p_WB - away - here->state().p_WB).norm(), 1e-8)
+        << name;                                           // of 1e5 m in double
+    EXPECT_EQ(there->state().q, here->state().q) << name;  // bit for bit
+    ASSERT_EQ(there->contacts().count, here->contacts().count) << name;
+    EXPECT_LT((there->contacts().points[0].p_WP - away - here->contacts().points[0].p_WP).norm(), 1e-8);
+    EXPECT_LT((there->body_pose(2).translation() - away - here->body_pose(2).translation()).norm(), 1e-8);
+  }
+}
+
+// The origin moves on the way, where the walk shows nothing of it; a field moves along.
+TEST(PhysxPlaces, FollowTheRobot) {
+  WorldSpec spec = scenes::world_of(scenes::quadruped());
+  spec.terrain = make_terrain("rough:size_x=80,size_y=4,flat_radius=0,cell=0.05", 2);
+  const auto world = find("physx")->make(spec), again = find("physx")->make(spec);
+  RobotState start = world->home_state();
+  for (const double x : {-35.0, 0.0, 15.9, 16.1, 35.0}) {
+    start.p_WB = world->home_state().p_WB;
+    start.p_WB.x() = x;
+    start.p_WB.z() += spec.terrain.height(x, 0) + 0.01;
+    start.v_WB = {2, 0, 0};
+    world->reset(start);
+    const JointTargets home = scenes::home_targets(*spec.robot);
+    ASSERT_EQ(world->step(home, 150), StepStatus::kOk);
+    again->restore(world->save());
+    ASSERT_EQ(world->step(home, 50), StepStatus::kOk);
+    ASSERT_EQ(again->step(home, 50), StepStatus::kOk);
+    EXPECT_TRUE(scenes::identical(world->state(), again->state())) << x;
+    ASSERT_GT(world->contacts().count, 0) << x;
+    for (const Contact& contact : world->contacts())
+      EXPECT_NEAR(contact.p_WP.z(), spec.terrain.height(contact.p_WP.x(), contact.p_WP.y()), 5e-3) << x;
+  }
+}
+
 // There is one PhysX in a process, and every world takes from it and gives back to it.
 TEST(PhysxProcess, WorldsOfManyThreadsAreAsOfOne) {
   const auto walked = [] {
