@@ -213,9 +213,8 @@ TEST(PhysxPlaces, AreAsFineFarAwayAsAtHome) {
       for (PhysicsBackend* world : {here.get(), there.get()})
         ASSERT_EQ(world->step(motion.targets(i * world->spec().physics_dt)), StepStatus::kOk);
     }
-    EXPECT_LT((there->state().p_WB - away - here->state().p_WB).norm(), 1e-8)
-        << name;                                           // of 1e5 m in double
-    EXPECT_EQ(there->state().q, here->state().q) << name;  // bit for bit
+    EXPECT_LT((there->state().p_WB - away - here->state().p_WB).norm(), 1e-8) << name;  // of 1e5 m in double
+    EXPECT_EQ(there->state().q, here->state().q) << name;                               // bit for bit
     ASSERT_EQ(there->contacts().count, here->contacts().count) << name;
     EXPECT_LT((there->contacts().points[0].p_WP - away - here->contacts().points[0].p_WP).norm(), 1e-8);
     EXPECT_LT((there->body_pose(2).translation() - away - here->body_pose(2).translation()).norm(), 1e-8);
