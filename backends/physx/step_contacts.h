@@ -47,7 +47,7 @@ class StepContacts final : public px::PxSimulationEventCallback {
     std::array<px::PxContactPairPoint, px::PxContactBuffer::MAX_CONTACTS> points;
   };
 
-  void add_shape(px::PxArticulationLink& link, const ArticulationModel& model, int body, int shape);
+  void add_shape(px::PxArticulationLink& link, const ArticulationModel& model, int body, int index);
   void list(const Shape& shape, const Vector3& origin, ContactList& contacts) const noexcept;
   void add_friction(const ArticulationModel& model, const Vector3& push,
                     ContactList& contacts) const noexcept;
