@@ -32,9 +32,11 @@ Pose geometry_pose(const CollisionShape& shape) {
 
 }  // namespace
 
+// NOLINTBEGIN(performance-unnecessary-value-param): it is PhysX's to say how it calls this
 px::PxFilterFlags only_ground(px::PxFilterObjectAttributes a, px::PxFilterData /*data_a*/,
                               px::PxFilterObjectAttributes b, px::PxFilterData /*data_b*/,
                               px::PxPairFlags& flags, const void* /*block*/, px::PxU32 /*size*/) {
+  // NOLINTEND(performance-unnecessary-value-param)
   const auto is_ground = [](px::PxFilterObjectAttributes attributes) {
     return px::PxGetFilterObjectType(attributes) == px::PxFilterObjectType::eRIGID_STATIC;
   };
