@@ -108,13 +108,12 @@ void ArticulationModel::apply_state() { articulation_->applyCache(*cache(), stat
 
 void ArticulationModel::set_state(const RobotState& state) {
   origin_ = {origin_for(state.p_WB.x()), origin_for(state.p_WB.y()), 0};
-  const Pose X_WP = make_pose(state.q_WB.normalized(), state.p_WB - origin_) * X_BP(0);
+  const Pose X_B = make_pose(state.q_WB.normalized(), state.p_WB - origin_), X_P = X_B * X_BP(0);
   px::PxArticulationRootLinkData& root = *cache()->rootLinkData;
-  root.transform = transform(X_WP);
+  root.transform = transform(X_P);
   root.worldLinVel = root.worldAngVel = px::PxVec3(0);
   if (!spec_.fixed_base) {
-    root.worldLinVel =
-        vector(Vector3(state.v_WB + state.w_WB.cross(X_WP.translation() - (state.p_WB - origin_))));
+    root.worldLinVel = vector(Vector3(state.v_WB + state.w_WB.cross(X_P.translation() - X_B.translation())));
     root.worldAngVel = vector(state.w_WB);
   }
   for (std::size_t i = 0; i < dofs_.size(); ++i) {

@@ -47,6 +47,12 @@ std::string plain(const std::string& name) {
   return text.empty() ? "terrain" : text;
 }
 
+const Robot& known_robot(nb::handle value, const std::string& source) {
+  if (!nb::isinstance<Robot>(value))
+    throw ConfigError(source, "robot", "a name, a file or a Robot", type_called(value));
+  return nb::cast<const Robot&>(value);
+}
+
 const Terrain& known_terrain(nb::handle value, const std::string& source) {
   if (nb::isinstance<Terrain>(value)) return nb::cast<const Terrain&>(value);
   throw ConfigError(source, "terrain",
@@ -89,15 +95,13 @@ void refuse_keywords(const char* name, const nb::kwargs& unknown, const std::vec
 }
 
 Robot robot_of(nb::handle value, const std::string& source) {
-  if (const auto text = path_text(value)) return load(*text);
-  if (!nb::isinstance<Robot>(value))
-    throw ConfigError(source, "robot", "a name, a file or a Robot", type_called(value));
-  return nb::cast<const Robot&>(value);
+  const auto text = path_text(value);
+  return text ? load(*text) : known_robot(value, source);
 }
 
 std::string robot_text(nb::handle value, const std::string& source) {
   const auto text = path_text(value);
-  return text ? *text : robot_of(value, source).from;
+  return text ? *text : known_robot(value, source).from;
 }
 
 }  // namespace crossgait::python

@@ -50,7 +50,6 @@ class DrakeWorld:
         self._plant.mutable_gravity_field().set_gravity_vector(world.gravity)
         self._bodies: list[Any] = []
         self._joints: list[Any] = []
-        self._legs: dict[Any, int] = {}
         for index, body in enumerate(self._robot["bodies"]):
             self._add_body(index, body)
         shapes = [shape for body in self._bodies for shape in self._plant.GetCollisionGeometriesForBody(body)]
@@ -188,14 +187,11 @@ class DrakeWorld:
         return self._found
 
     def _slip_at(self, body: int, place: Array, normal: Array) -> float:
-        velocity = self._velocity_at(body, place)
-        return float(np.linalg.norm(velocity - (velocity @ normal) * normal))
-
-    def _velocity_at(self, body: int, place: Array) -> Array:
+        """Return how fast a body's point slides along the ground, m/s."""
         V = self._plant.EvalBodySpatialVelocityInWorld(self._of_plant, self._bodies[body])
         X = self._plant.EvalBodyPoseInWorld(self._of_plant, self._bodies[body])
         velocity: Array = V.translational() + np.cross(V.rotational(), place - X.translation())
-        return velocity
+        return float(np.linalg.norm(velocity - (velocity @ normal) * normal))
 
     def mass_matrix(self) -> Array:
         """Return the joint-space inertia of [v_WB, w_WB, qd]."""

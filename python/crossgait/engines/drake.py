@@ -27,6 +27,7 @@ class DrakePoints(DrakeWorld):
     def __init__(self, world: ServedWorld) -> None:
         if world.terrain["columns"]:
             raise ValueError(f"Drake's point contact takes the plane alone, not '{world.terrain['name']}'")
+        self._legs: dict[Any, int] = {}
         super().__init__(world)
 
     def _add_shape(self, index: int, name: str, shape: Mapping[str, Any]) -> None:

@@ -9,7 +9,7 @@ surface's centroid and half of the depth below, its force the whole of what the 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,10 +31,22 @@ with needed_for("worlds in Drake", "drake"):
         Mesh,
         Sphere,
     )
+    from pydrake.math import RigidTransform
 
 MODULUS = 1e7  #: of hydroelastic pressure, Pa: what Drake's own default properties have
 #: Length of the edges that shapes are divided into, of their least half size. Feet sink 4 % deeper than round ones.
 EDGES = 1 / 6
+
+
+class Touching(NamedTuple):
+    """A shape that may touch the ground."""
+
+    body: int
+    leg: int
+    X_BG: RigidTransform
+    kind: str
+    size: Array  #: m
+    vertices: Array  #: of a hull, in the shape's frame, m
 
 
 class DrakeHydroelastic(DrakeWorld):
@@ -43,24 +55,23 @@ class DrakeHydroelastic(DrakeWorld):
     contact_model = "hydroelastic"
 
     def __init__(self, world: ServedWorld) -> None:
-        self._shapes: dict[Any, tuple[int, Mapping[str, Any]]] = {}
+        self._shapes: dict[Any, Touching] = {}
         super().__init__(world)
 
     def _add_shape(self, index: int, name: str, shape: Mapping[str, Any]) -> None:
-        pose, size = np.array(shape["X_BG"]), np.array(shape["size"])
+        pose, size, vertices = (np.array(shape[key]) for key in ("X_BG", "size", "vertices"))
         kind = shape["type"]
+        own = Touching(index, self._leg_of(index, kind, pose[:3, 3]), self._in_body(index, pose), kind, size, vertices)
         made = {
             "sphere": lambda: Sphere(size[0]),
             "capsule": lambda: Capsule(size[0], 2 * size[1]),
             "cylinder": lambda: Cylinder(size[0], 2 * size[1]),
             "box": lambda: Box(*(2 * size)),
-            "hull": lambda: Convex(np.array(shape["vertices"]).T, name),
+            "hull": lambda: Convex(vertices.T, name),
         }[kind]()
         properties = self._properties()
-        AddCompliantHydroelasticProperties(EDGES * _least_size(shape), MODULUS, properties)
-        geometry = self._register(index, name, pose, made, properties)
-        self._legs[geometry] = self._leg_of(index, kind, pose[:3, 3])
-        self._shapes[geometry] = (index, shape)
+        AddCompliantHydroelasticProperties(EDGES * _least_size(own), MODULUS, properties)
+        self._shapes[self._register(index, name, pose, made, properties)] = own
 
     def _add_ground(self) -> None:
         properties = self._properties()
@@ -80,50 +91,45 @@ class DrakeHydroelastic(DrakeWorld):
         # Normals of Drake go from N to M, forces act on M's body.
         ours_is_M = surface.id_M() in self._shapes
         geometry, sign = (surface.id_M(), 1.0) if ours_is_M else (surface.id_N(), -1.0)
-        index, shape = self._shapes[geometry]
+        shape = self._shapes[geometry]
         areas = np.array([surface.area(face) for face in range(surface.num_faces())])
         normal = sign * areas @ [surface.face_normal(face) for face in range(len(areas))]
         normal /= np.linalg.norm(normal)
         place = surface.centroid()
-        X_WB = self._plant.EvalBodyPoseInWorld(self._of_plant, self._bodies[index])
-        X_WG = X_WB @ self._in_body(index, np.array(shape["X_BG"]))
+        X_WG = self._plant.EvalBodyPoseInWorld(self._of_plant, self._bodies[shape.body]) @ shape.X_BG
         deepest = X_WG @ _farthest(shape, -(X_WG.rotation().inverse() @ normal))
         distance = float((deepest - place) @ normal)
         return EngineContact(
-            index,
-            self._legs[geometry],
+            shape.body,
+            shape.leg,
             place + 0.5 * distance * normal,
             normal,
             distance,
             sign * info.F_Ac_W().translational(),
-            self._slip_at(index, place, normal),
+            self._slip_at(shape.body, place, normal),
         )
 
 
-def _least_size(shape: Mapping[str, Any]) -> float:
+def _least_size(shape: Touching) -> float:
     """Return the least half width of a shape, m."""
-    kind = shape["type"]
-    if kind == "hull":
-        return float(np.ptp(np.array(shape["vertices"]), axis=0).min()) / 2
+    if shape.kind == "hull":
+        return float(np.ptp(shape.vertices, axis=0).min()) / 2
     counts = {"sphere": 1, "capsule": 1, "cylinder": 2, "box": 3}
-    return float(min(shape["size"][: counts[kind]]))
+    return float(min(shape.size[: counts[shape.kind]]))
 
 
-def _farthest(shape: Mapping[str, Any], along: Array) -> Array:
+def _farthest(shape: Touching, along: Array) -> Array:
     """Return the point of a shape that is farthest along a unit vector, both in the shape's own frame, m."""
-    kind = shape["type"]
-    size: Array = np.array(shape["size"])
-    point: Array = size[0] * along
-    if kind == "hull":
-        vertices: Array = np.array(shape["vertices"])
-        point = vertices[np.argmax(vertices @ along)]
-    elif kind == "box":
-        point = np.copysign(size, along)
-    elif kind == "cylinder":
+    point: Array = shape.size[0] * along
+    if shape.kind == "hull":
+        point = shape.vertices[np.argmax(shape.vertices @ along)]
+    elif shape.kind == "box":
+        point = np.copysign(shape.size, along)
+    elif shape.kind == "cylinder":
         away: Array = np.array([along[0], along[1], 0])
-        point = size[0] / max(float(np.linalg.norm(away)), 1e-300) * away
-    if kind in ("capsule", "cylinder"):
-        point = point + np.array([0, 0, np.copysign(size[1], along[2])])
+        point = shape.size[0] / max(float(np.linalg.norm(away)), 1e-300) * away
+    if shape.kind in ("capsule", "cylinder"):
+        point = point + np.array([0, 0, np.copysign(shape.size[1], along[2])])
     return point
 
 
