@@ -52,7 +52,7 @@ nb::dict parameter_table() {
 /// The foot targets of a walk's gait, without robot dynamics or kinematics.
 class FootTargets {
  public:
-  explicit FootTargets(const PythonWalk& walk) : generator_(make(walk)) {}
+  explicit FootTargets(const WalkLike& walk) : generator_(make(walk_of(walk, "gait"))) {}
 
   nb::tuple update(double dt) {
     if (!(dt > 0 && dt <= WalkTiming::kMaxSeconds))
@@ -104,8 +104,10 @@ void bind_gait(nb::module_& m) {
   nb::class_<FootTargets>(
       m, "GaitGenerator",
       "Foot targets of one gait over time, continuous through every change. It begins in full stride.")
-      .def(nb::init<const PythonWalk&>(), nb::arg("walk") = PythonWalk(),
-           "The gait, parameters, command and robot of a `Walk`. Raises ConfigError for an automatic gait.")
+      .def(
+          nb::init<const WalkLike&>(), nb::arg("walk") = "trot",
+          "The gait, parameters, command and robot of a `Walk`, or a gait by name. Raises ConfigError for an "
+          "automatic gait.")
       .def("update", &FootTargets::update, nb::arg("dt"),
            nb::sig("def update(self, dt: float) -> tuple[numpy.typing.NDArray[numpy.float64], "
                    "numpy.typing.NDArray[numpy.bool_], numpy.typing.NDArray[numpy.float64]]"),

@@ -27,8 +27,6 @@ std::optional<std::string> path_text(nb::handle value) {
   return std::nullopt;
 }
 
-std::string type_called(nb::handle value) { return nb::cast<std::string>(value.type().attr("__name__")); }
-
 fs::path cache_folder() {
   const auto variable = [](const char* name) -> std::string_view {
     const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): the interpreter's lock is held
@@ -61,6 +59,8 @@ const Terrain& known_terrain(nb::handle value, const std::string& source) {
 }
 
 }  // namespace
+
+std::string type_called(nb::handle value) { return nb::cast<std::string>(value.type().attr("__name__")); }
 
 std::string terrain_file(const Terrain& terrain) {
   const HeightField& field = *terrain.field();

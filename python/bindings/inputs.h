@@ -19,6 +19,9 @@ std::string terrain_text(nanobind::handle value, const std::string& source);
 /// Returns the name or file of a robot, or of a `Robot`. @throws ConfigError likewise
 std::string robot_text(nanobind::handle value, const std::string& source);
 
+/// Returns the name of a value's type, for errors about it.
+std::string type_called(nanobind::handle value);
+
 /// Takes anything, so that what is no robot is refused in words of its own; what it says in signatures.
 class RobotLike : public nanobind::object {
   NB_OBJECT_DEFAULT(RobotLike, nanobind::object, "Robot | str | os.PathLike[str]",

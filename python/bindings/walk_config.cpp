@@ -12,6 +12,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "gait/scale.h"
+#include "physics/core/error.h"
 #include "physics/robot_files/data_path.h"
 #include "python/bindings/inputs.h"
 
@@ -182,6 +183,15 @@ void bind_copying(nb::class_<PythonWalk>& c) {
 }  // namespace
 
 PythonWalk::PythonWalk(WalkArguments arguments) : WalkConfig(make(arguments)), said(std::move(arguments)) {}
+
+PythonWalk walk_of(nb::handle value, const std::string& source) {
+  if (nb::isinstance<PythonWalk>(value)) return nb::cast<const PythonWalk&>(value);
+  if (!nb::isinstance<nb::str>(value))
+    throw ConfigError(source, "walk", "a Walk or the name of a gait", type_called(value));
+  WalkArguments named;
+  named.gait = nb::cast<std::string>(value);
+  return PythonWalk(std::move(named));
+}
 
 void bind_walk_config(nb::module_& m) {
   nb::class_<PythonWalk> walk(

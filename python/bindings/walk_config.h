@@ -42,6 +42,13 @@ struct PythonWalk : WalkConfig {
   WalkArguments said;
 };
 
+/// Takes anything, so that what is no walk is refused in words of its own; what it says in signatures.
+class WalkLike : public nanobind::object {
+  NB_OBJECT_DEFAULT(WalkLike, nanobind::object, "Walk | str", [](const PyObject*) { return true; })
+};
+/// Returns a walk, or that of a gait's name. @throws ConfigError naming `source` for anything else
+PythonWalk walk_of(nanobind::handle value, const std::string& source);
+
 void bind_walk_config(nanobind::module_& m);
 
 }  // namespace crossgait::python

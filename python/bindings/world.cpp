@@ -160,7 +160,8 @@ std::vector<Eigen::Matrix4d> poses(const RobotDescription& robot, const RobotSta
   return result;
 }
 
-std::vector<Eigen::Matrix4d> body_poses(const Robot& robot, const RobotState& state) {
+std::vector<Eigen::Matrix4d> body_poses(const RobotLike& chosen, const RobotState& state) {
+  const Robot robot = robot_of(chosen, "body_poses");
   if (state.q.size() != robot.description->joint_count())
     throw ConfigError(
         "state", "q",

@@ -191,6 +191,13 @@ def test_robots_are_taken_in_every_form(scara: crossgait.Robot) -> None:
         assert Walk(robot=robot) == Walk(robot=str(robot) if robot is not scara else "scara_quadruped")
         assert crossgait.World(robot).state.q.shape == scara.home.shape
         assert list(crossgait.legs(robot)) == ["FL", "FR", "RL", "RR"]
+        assert len(crossgait.body_poses(robot, crossgait.World(scara).state)) == 21
+
+
+def test_a_gait_is_a_walk_or_a_name() -> None:
+    feet = crossgait.GaitGenerator(Walk("pace")).update(0.1)[0]
+    assert np.array_equal(crossgait.GaitGenerator("pace").update(0.1)[0], feet)
+    assert not np.array_equal(crossgait.GaitGenerator().update(0.1)[0], feet)  # the trot's
 
 
 def test_options_of_a_walk_come_on_top_of_a_policys_environment() -> None:
@@ -254,6 +261,8 @@ WRONG: list[tuple[str, Callable[[], Any], str]] = [
     ("heights without a size", lambda: Terrain.from_heights(HEIGHTS), r"heights: size_x, size_y: expected both"),
     ("heights of one row", lambda: Terrain.from_heights(HEIGHTS[0], size_x=1, size_y=1), r"two dimensions, found 1"),
     ("no robot for a world", lambda: crossgait.World(3), r"world: robot: expected .* or a Robot, found int"),
+    ("no robot for poses", lambda: crossgait.body_poses(3, crossgait.State()), r"body_poses: robot: .* found int"),
+    ("no walk for a gait", lambda: crossgait.GaitGenerator(3), r"gait: walk: expected .* name of a gait, found int"),
     ("no robot for legs", lambda: crossgait.legs(3), r"legs: robot: expected .* or a Robot, found int"),
     ("a robot that is none", lambda: Walk(robot=3), r"Walk: robot: expected a name, a file or a Robot, found int"),
     ("names that are none", lambda: crossgait.bench(sections=[3]), r"bench: sections: expected names, found 3"),
