@@ -114,6 +114,7 @@ class ViewServer::Implementation {
     RequestFacts facts{request.path, request.get_header_value("Host"), {}};
     if (request.get_header_value_count("Host") > 1) facts.host.clear();
     if (request.has_header("Origin")) facts.origin = request.get_header_value("Origin");
+    if (request.get_header_value_count("Origin") > 1) facts.origin.emplace();
     if (!admitted_path(facts, options_.token, port_)) {
       answer(response, 403, "not allowed: the address that `crossgait view` printed is needed, as it is");
     } else if (request.method != "GET" && request.method != "POST") {

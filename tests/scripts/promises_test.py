@@ -1,4 +1,4 @@
-"""Tests that promises of SECURITY.md, and rows of docs/python-answers.md, name tests that .ci/run runs."""
+"""Tests that promises of SECURITY.md, and rows of docs/python-answers.md and docs/attacks-answered.md, name tests that .ci/run runs."""
 
 import re
 import unittest
@@ -54,13 +54,14 @@ class Promises(unittest.TestCase):
             with self.subTest(promise):
                 self.assertEqual(wrong(promise, held_by, self.run_text), [])
 
-    def test_each_answer_of_the_package_is_held_by_a_test(self):
-        page = (ROOT / "docs/python-answers.md").read_text(encoding="utf-8")
-        rows = re.findall(r"^\| \d+ \| .* \| (.+?) \|$", page, re.MULTILINE)
-        self.assertEqual(len(rows), 27)
-        for number, held_by in enumerate(rows, 1):
-            with self.subTest(number):
-                self.assertEqual(wrong(f"row {number}", held_by, self.run_text), [])
+    def test_each_answer_is_held_by_a_test(self):
+        for page, count in (("python-answers", 27), ("attacks-answered", 50)):
+            text = (ROOT / f"docs/{page}.md").read_text(encoding="utf-8")
+            rows = re.findall(r"^\| (\d+) \| .* \| (.+?) \|$", text, re.MULTILINE)
+            self.assertEqual([int(number) for number, _ in rows], list(range(1, count + 1)), page)
+            for number, held_by in rows:
+                with self.subTest(page, row=number):
+                    self.assertEqual(wrong(f"row {number}", held_by, self.run_text), [])
 
     def test_sees_what_is_not_there(self):
         file = "tests/view/server_test.cpp"

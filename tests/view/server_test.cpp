@@ -125,6 +125,8 @@ TEST_F(ViewServerTest, RefusesWhoHasNot) {
     EXPECT_EQ(get(at("/frames"), std::string("Origin: ") + origin + "\r\n").status, 403) << origin;
     EXPECT_EQ(post(kDrive, std::string("Origin: ") + origin + "\r\n").status, 403) << origin;
   }
+  const std::string own = "Origin: http://127.0.0.1:" + std::to_string(port_) + "\r\n";
+  EXPECT_EQ(post(kDrive, own + "Origin: http://evil.example\r\n").status, 403) << "two origins";
   for (const std::string host : {"Host: evil.example\r\n", "Host: 127.0.0.1\r\n", ""})
     EXPECT_EQ(ask(port_, "POST " + at("/command") + " HTTP/1.1\r\n" + host + body).status, 403) << host;
   EXPECT_EQ(get(at("/"), "Host: evil.example\r\n").status, 403) << "two hosts";
