@@ -63,12 +63,8 @@ std::string joint_label(const PhysicsBackend& world, int joint) {
   return "joint " + world.robot().joint(joint).name;
 }
 
-double coarser_epsilon(const PhysicsBackend& a, const PhysicsBackend& b) {
-  return std::max(epsilon(a.info().capabilities.precision), epsilon(b.info().capabilities.precision));
-}
-
 void audit_time(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst time("time step", "s", eps);
   const double ta = probes::time_of_a_step(a), tb = probes::time_of_a_step(b);
   time.add(ta, tb, std::max(ta, tb), 0, "");
@@ -76,7 +72,7 @@ void audit_time(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
 }
 
 void audit_inertias(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit& audit) {
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst mass("mass", "kg", eps), centre("centre of mass", "m", eps), inertia("inertia", "kg m^2", eps);
   for (int i = 0; i <= a.robot().joint_count(); ++i) {
     const SpatialInertia x = a.body_inertia(i), y = b.body_inertia(i);
@@ -91,7 +87,7 @@ void audit_inertias(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit
 
 // Where bodies sit in their parents, and what turning a joint does to that.
 void audit_geometry(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst placement("link placement", "m", eps), axis("joint axis", "-", eps);
   const int joints = a.robot().joint_count();
   for (int turned = -1; turned < joints; ++turned) {
@@ -111,7 +107,7 @@ void audit_geometry(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
 }
 
 void audit_armature(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst armature("armature", "kg m^2", eps);
   const Eigen::VectorXd x = probes::joint_inertias(a), y = probes::joint_inertias(b);
   for (int i = 0; i < x.size(); ++i) armature.add(x[i], y[i], x[i], 0, joint_label(a, i));
@@ -119,7 +115,7 @@ void audit_armature(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
 }
 
 void audit_joint_friction(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit& audit) {
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst friction("joint friction", "N m", eps);
   const JointVector x = a.joint_friction(), y = b.joint_friction();
   for (Eigen::Index i = 0; i < x.size(); ++i)
@@ -130,7 +126,7 @@ void audit_joint_friction(const PhysicsBackend& a, const PhysicsBackend& b, Mode
 void audit_joint_limits(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit& audit) {
   // An engine without them declares it (Laws::joint_limits), and its model is not wrong for that.
   if (a.info().laws.joint_limits.empty() || b.info().laws.joint_limits.empty()) return;
-  Worst limits("joint limit", "rad", coarser_epsilon(a, b));
+  Worst limits("joint limit", "rad", coarser_epsilon(a.info(), b.info()));
   const JointRanges x = a.joint_limits(), y = b.joint_limits();
   const auto compare = [&](double of_a, double of_b, int joint) {
     if (of_a == of_b) return;  // both may be none
@@ -166,7 +162,7 @@ bool same_couplings(const PhysicsBackend& a, const PhysicsBackend& b) {
 }
 
 void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit& audit) {
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst heights("height of the ground", "m", eps), diagonal("diagonal of the height field", "m", eps);
   const HeightField* field = a.spec().terrain.field();
   const auto compare = [&](Worst& worst, double x, double y) {
@@ -195,7 +191,7 @@ void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit& 
 }
 
 void audit_gravity(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst gravity("gravity", "m/s^2", eps);
   const Vector3 x = probes::free_fall(a), y = probes::free_fall(b);
   constexpr std::array kAxes{"axis x", "axis y", "axis z"};
@@ -204,7 +200,7 @@ void audit_gravity(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
 }
 
 void audit_servos(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst damping("joint damping", "N m s/rad", eps), stiffness("servo stiffness", "N m/rad", eps),
       effort("effort limit", "N m", eps), servo("servo damping", "N m s/rad", eps);
   for (int i = 0; i < a.robot().joint_count(); ++i) {
@@ -233,7 +229,7 @@ void audit_friction(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
     x[i] = probes::press_feet(a, sliding);
     y[i] = probes::press_feet(b, sliding);
   }
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   const auto tolerance = [eps](double ratio) {
     return std::max(kForceTolerance, kFrictionRoundings * eps) * std::max(0.1, ratio);
   };
@@ -255,7 +251,7 @@ void audit_friction(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
 
 void audit_feet(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   if (!a.robot().legs) return;
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst radius("foot radius", "m", eps), law("contact law", "N", eps);
   const RobotState standing = probes::pressed(a, 0);
   const LegArray<probes::PressedFoot> x = probes::press_feet(a, standing),
@@ -274,7 +270,7 @@ void audit_feet(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
 
 // Every body from several sides: which of its points come first to the ground, and how far out they are.
 void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst depth("collision shape", "m", eps), points("contact points", "-", eps);
   // Six sides and two corners, none of them level: no two points are equally deep by symmetry.
   constexpr std::array<std::array<double, 3>, 8> kAttitudes{{{0.13, 0.29, 0.4},
@@ -301,7 +297,7 @@ void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
 
 void audit_motion(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   if (!same_joint_friction(a, b) || !same_loops(a, b) || !same_couplings(a, b) || !same_servos(a, b)) return;
-  const double eps = coarser_epsilon(a, b);
+  const double eps = coarser_epsilon(a.info(), b.info());
   Worst motion("motion in the air", "m/s or rad/s", eps);
   const RobotState state = probes::swinging(a);
   const Eigen::VectorXd x = probes::swing(a, state), y = probes::swing(b, state);

@@ -1,6 +1,7 @@
 // The one virtual interface: a robot on a terrain in some physics engine.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -79,6 +80,11 @@ struct EngineInfo {
 
   bool operator==(const EngineInfo&) const = default;
 };
+
+/// Returns the epsilon of the one of two engines that keeps less.
+inline double coarser_epsilon(const EngineInfo& a, const EngineInfo& b) noexcept {
+  return std::max(epsilon(a.capabilities.precision), epsilon(b.capabilities.precision));
+}
 
 /// Names those settings of `contact` that are not as by default and make no difference under the laws of an
 /// engine with these capabilities: "impratio". Friction is of every law.
