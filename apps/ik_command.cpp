@@ -45,7 +45,7 @@ void run(const IkCommand& options) {
     table.add_row({label, fmt::format("{:.9f}", value), fmt::format("{:.4f}", value * kDegreesPerRadian)});
   };
   nlohmann::ordered_json joints;
-  const std::span<const LegRole> roles = (*robot.legs)[which].roles();
+  const LegRoles roles = (*robot.legs)[which].roles();
   for (std::size_t i = 0; i < roles.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     const Eigen::Index servos = posture.servos.size();
