@@ -9,7 +9,7 @@
 namespace crossgait::apps {
 
 void require_python_module(const std::string& command, const std::string& module, const std::string& extra) {
-  const auto found = run_child({python_program(), "-c", "import " + module});
+  const auto found = run_child(python_import_command(module));
   if (found && found->exit_code == 0) return;
   std::string why = found ? found->errors : "no such program";
   why.erase(why.find_last_not_of('\n') + 1);
@@ -22,7 +22,7 @@ void require_python_module(const std::string& command, const std::string& module
 }
 
 ChildResult run_python_module(const std::string& module, const std::vector<std::string>& arguments) {
-  std::vector<std::string> command{python_program(), "-m", module};
+  std::vector<std::string> command = python_module_command(module);
   command.insert(command.end(), arguments.begin(), arguments.end());
   listen_for_interruption();
   auto done = run_child(command, ChildErrors::kShown, std::nullopt, ChildSignals::kHandedOn);

@@ -13,6 +13,7 @@
 #include "physics/core/consent.h"
 #include "physics/core/error.h"
 #include "physics/core/python_program.h"
+#include "physics/core/read_budget.h"
 #include "physics/core/sha256.h"
 #include "physics/core/text.h"
 
@@ -119,9 +120,8 @@ ServedEngine::ServedEngine(std::string name, std::string file, std::string_view 
 }
 
 std::unique_ptr<ServedProcess> ServedEngine::start() const {
-  std::vector<std::string> command{python_program()};
-  if (is_of_package(file_)) command.emplace_back("-m");
-  command.push_back(file_);
+  const std::vector<std::string> command =
+      is_of_package(file_) ? python_module_command(file_) : std::vector{python_program(), file_};
   auto process = std::make_unique<ServedProcess>(file_, command, kServedBytes, served_limit());
   Json blocks = Json::object();
   std::size_t place = 0;
@@ -137,7 +137,9 @@ std::unique_ptr<ServedProcess> ServedEngine::start() const {
 }
 
 void ServedEngine::read_info(std::string_view text, std::string_view stamp) {
+  check_json_budget(text, kJsonBudget, file_);
   const Json said = Json::parse(text, nullptr, false);
+  if (said.is_discarded()) throw ConfigError(file_, "the engine", "a description in JSON", "another text");
   InfoReader reader(file_, "the engine", said);
   double protocol = 0;
   reader.read("protocol", "a number", protocol);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace crossgait {
 
@@ -9,6 +10,14 @@ namespace crossgait {
 /// program sets; else the one that was said by `set_python_program`; else "python3", to be looked for as a
 /// shell does.
 std::string python_program();
+
+/// Returns the command that runs a module of installed packages, to which arguments may be added. Python's
+/// own
+/// `-m` looks in the current folder first, where anybody's file may have the name of a package.
+std::vector<std::string> python_module_command(const std::string& module);
+
+/// Returns the command that ends with exit code 0 if a module can be imported, likewise.
+std::vector<std::string> python_import_command(const std::string& module);
 
 /// Says in which interpreter this library runs. Call it before anything else does anything.
 void set_python_program(const std::string& executable);

@@ -23,7 +23,7 @@ class Video : public ::testing::Test {
   /// Instead of an interpreter: keeps what it was told, and ends with `code`.
   static void draw_with(int code) {
     const std::string python = file("python.sh");
-    write_file(python, "#!/bin/sh\n[ \"$1\" = -c ] && exit 0\nprintf '%s\\n' \"$@\" >" + file("told.txt") +
+    write_file(python, "#!/bin/sh\n[ $# = 2 ] && exit 0\nprintf '%s\\n' \"$@\" >" + file("told.txt") +
                            "\nfor last; do :; done\nhead -n 1 \"$last\" >" + file("head.txt") +
                            "\necho drawn\nexit " + std::to_string(code) + "\n");
     std::filesystem::permissions(python, std::filesystem::perms::owner_all);
@@ -39,7 +39,7 @@ TEST_F(Video, WalksAndHandsOverTheTraces) {
   EXPECT_EQ(result.out, "drawn\n");
   const std::string told = read_file(file("told.txt"));
   for (const char* word :
-       {"-m\ncrossgait.traces.video\n", "--out=video_out.mp4\n", "--terrain=rough\n", "--seed=3\n",
+       {"\ncrossgait.traces.video\n", "--out=video_out.mp4\n", "--terrain=rough\n", "--seed=3\n",
         "--slow=2\n", "--fps=30\n", "--robot=scara_quadruped\n", "--outcome=walked@0.1\n"})
     EXPECT_NE(told.find(word), std::string::npos) << told;
   EXPECT_EQ(read_file(file("head.txt")).substr(0, 5), "time,");

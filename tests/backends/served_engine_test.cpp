@@ -112,6 +112,7 @@ TEST_F(ServedEngines, EveryFaultIsAClearError) {
           {"start", "exit", "ended with exit code 7"},
           {"start", "flood", "1048576 bytes of output"},
           {"hello", "no json", "the engine"},
+          {"hello", "deep json", "at most 32 levels"},
           {"hello", "protocol", "version 1, of this Crossgait"},
           {"hello", "unknown key", "laws.contacts"},
           {"hello", "precision", "'float64' or 'float32'"},

@@ -56,7 +56,10 @@ struct Server {
     if (fault.starts_with("equations")) said["equations"] = true;
     if (fault == "equations, its own dynamics") said["own_dynamics"] = true;
     if (fault == "precision") said["capabilities"] = {{"precision", "float16"}};
-    set_text(fault == "no json" ? "{" : said.dump());
+    constexpr std::size_t kDeep = 200'000;
+    set_text(fault == "no json"     ? "{"
+             : fault == "deep json" ? std::string(kDeep, '[') + std::string(kDeep, ']')
+                                    : said.dump());
   }
   void make() {
     const auto world = nlohmann::json::parse(text());
