@@ -1,4 +1,6 @@
 // crossgait import: a published policy, made into a folder that runs, by the Python package.
+#include <filesystem>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
@@ -28,6 +30,18 @@ void run(const ImportCommand& options) {
   arguments.insert(arguments.end(), {"--", options.policy});
   const auto said = nlohmann::ordered_json::parse(run_python_module(kModule, arguments).out);
   options.json.emit(said.at("text").get<std::string>(), with_schema("import", said.at("document")));
+}
+
+// What the package writes into the folder, by its rules (python/crossgait/importing/imported.py).
+std::vector<DerivedOutput> files_of_import(const std::string& out) {
+  const std::filesystem::path folder = std::filesystem::absolute(out).lexically_normal();
+  const std::string name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
+  std::vector<DerivedOutput> files;
+  for (const char* ending : {".onnx", ".yaml", ".safetensors"})
+    files.push_back({"--out", (folder / (name + ending)).string()});
+  for (const char* file : {"environment.yaml", "import.json", "actuator.safetensors"})
+    files.push_back({"--out", (folder / file).string()});
+  return files;
 }
 
 }  // namespace
@@ -68,7 +82,10 @@ void add_import_command(CLI::App& program, Invocation& invocation) {
   command->add_option("--class", options->config_class, "Which class of Python files")->type_name("NAME");
   add_trust_option(*command);
   options->json.add_to(*command, invocation);
-  on_run(*command, [options] { run(*options); });
+  on_run(*command, [options, command] {
+    check_outputs_apart(*command, files_of_import(options->out));
+    run(*options);
+  });
 }
 
 }  // namespace crossgait::apps

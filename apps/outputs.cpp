@@ -1,10 +1,13 @@
 // Where results go: whether they can, what is written there, and what a terminal is shown of it.
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -49,12 +52,22 @@ bool is_replaced(const std::string& path) {
   return !fs::exists(path, error) || fs::is_regular_file(path, error);
 }
 
+// Of options whose type says so, "-" is standard output.
+bool takes_standard_output(const CLI::Option& option) { return option.get_type_name().ends_with("|-"); }
+
 std::vector<NamedFile> outputs_of(const CLI::App& command) {
   std::vector<NamedFile> outputs;
+  bool to_standard_output = false;
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_group() != kOutputs || !names_file(*option)) continue;
     for (const std::string& path : option->results()) {
-      if (path == "-") continue;
+      if (path == "-" && takes_standard_output(*option)) {
+        if (std::exchange(to_standard_output, true))
+          throw ConfigError("command line", option->get_name(), "one output on standard output", "a second");
+        continue;
+      }
+      if (path == "-")
+        throw ConfigError("command line", option->get_name(), "the name of a file (./- is one)", "\"-\"");
       if (path.empty()) throw ConfigError("command line", option->get_name(), "the name of a file", "\"\"");
       if (is_replaced(path)) outputs.push_back(named_file(option->get_name(), path));
     }
@@ -116,6 +129,17 @@ std::vector<InputGuard::Output> files_written(const CLI::App& command) {
   std::vector<InputGuard::Output> files;
   for (const NamedFile& output : outputs_of(command)) files.push_back({output.option, output.path});
   return files;
+}
+
+void check_values(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& value : option->results()) {
+      std::string word = value.substr(value.starts_with('-') || value.starts_with('+') ? 1 : 0);
+      std::ranges::transform(word, word.begin(), [](unsigned char c) { return std::tolower(c); });
+      if (value.empty() || word == "nan" || word.starts_with("nan("))
+        throw ConfigError("command line", option->get_name(), "a value", value.empty() ? "\"\"" : value);
+    }
+  }
 }
 
 void check_outputs(const CLI::App& command) {

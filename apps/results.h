@@ -33,6 +33,10 @@ inline constexpr const char* kExecution = "Execution";
 /// than each further one by whatever name, and is none that an option names to be read. @throws ConfigError
 /// naming the option
 void check_outputs(const CLI::App& command);
+
+/// Refuses values that are no numbers ("nan", which is in every range) and empty ones, which a variable of a
+/// shell that is not set leaves. @throws ConfigError naming the option
+void check_values(const CLI::App& command);
 /// Lists the files that options name to be written.
 std::vector<InputGuard::Output> files_written(const CLI::App& command);
 /// Describes a file whose name a command makes of an option's value, one for each engine for example.
@@ -48,6 +52,7 @@ template <typename Run>
 void on_run(CLI::App& command, Run run) {
   command.callback([&command, run] {
     check_outputs(command);
+    check_values(command);
     const InputGuard guard(files_written(command));
     const FilesRead files;  // which `with_files_read` asks for
     run();

@@ -41,6 +41,7 @@ void require_one_of(const std::string& name, const std::vector<std::string>& kno
 }
 
 constexpr double kLeastPace = 0.01;
+constexpr double kFarthestPull = 1e4;  // m, as heights of terrains
 
 void require_within(double value, double least, double most, const char* element) {
   if (!(value >= least && value <= most))
@@ -111,7 +112,10 @@ void ViewSession::apply(const ViewCommand& command) {
                    history_.back(c.seconds, instances_);
                  },
                  [this](const ChangeCommand& c) { change_world(c.changes); },
-                 [this](const PullCommand& c) { pulled_to_ = c.to; },
+                 [this](const PullCommand& c) {
+                   for (const double to : c.to) require_within(to, -kFarthestPull, kFarthestPull, "pull, m");
+                   pulled_to_ = c.to;
+                 },
                  [this](const ReleaseCommand&) { pulled_to_.reset(); },
                  [this](const KeepCommand&) {
                    finish_recording();

@@ -134,6 +134,10 @@ void AtomicFile::open_temporary() {
   check_replaced();
   const fs::path place = place_;
   remove_left_over(place.has_parent_path() ? place.parent_path().string() : ".");
+  // What is replaced may be read by as many as before, and not where it may not be written.
+  struct stat replaced {};
+  const bool is_there = ::stat(place_.c_str(), &replaced) == 0;
+  if (is_there && ::faccessat(AT_FDCWD, place_.c_str(), W_OK, AT_EACCESS) != 0) fail(errno);
   while (true) {
     target_ = (place.parent_path() / temporary_name(place.filename().string())).string();
     constexpr mode_t kMode = 0666;  // less the umask, like any other file
@@ -142,6 +146,7 @@ void AtomicFile::open_temporary() {
       target_.clear();
       fail(errno);
     }
+    if (is_there && ::fchmod(file_, replaced.st_mode & 0777) != 0) fail(errno);
     // Says that its writer lives. Whoever removes what is left over may have had the lock first. Shared: it
     // is still held when the file is in its place, where another output that replaces it is no offence.
     ::flock(file_, LOCK_SH);

@@ -82,6 +82,9 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield target
         return
     _check_not_locked(target, path)
+    there = target.exists()
+    if there and not os.access(target, os.W_OK, effective_ids=True):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), os.fspath(path))
     _core._remove_left_over(os.fspath(target.parent))
     # A folder, so that the file is made by whoever writes it, with the permissions of any other file.
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".crossgait-", suffix=".tmp") as folder:
@@ -89,11 +92,47 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
         try:
             beside = Path(folder) / target.name
             yield beside
+            if there:  # it may be read by as many as before
+                os.chmod(beside, stat.S_IMODE(target.stat().st_mode))
             _sync(beside)
             _check_not_locked(target, path)  # it may have become one meanwhile
             os.replace(beside, target)
         finally:
             os.close(held)
+
+
+@contextmanager
+def staged(folder: Path) -> Iterator[Path]:
+    """Where to write what `replace_together` moves into `folder`, under the folder's name; gone at the end."""
+    _core._remove_left_over(os.fspath(folder))
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".crossgait-", suffix=".tmp") as beside:
+        held = _hold(beside)
+        try:
+            stage = Path(beside) / folder.name
+            stage.mkdir()
+            yield stage
+        finally:
+            os.close(held)
+
+
+def replace_together(stage: Path, folder: Path, names: list[str], others: Iterable[str]) -> None:
+    """Move files of a stage into its folder, where they belong together.
+
+    The last of `names` says that all are there: it is removed first and comes last. What else `others` name there is of
+    what they replace, and is removed. Raises ConfigError, before anything is, for a file whose lock somebody holds.
+    """
+    old = [folder / name for name in dict.fromkeys([names[-1], *names, *others])]
+    for file in old:
+        _check_not_locked(file, file)
+    for name in names:
+        _sync(stage / name)
+    (folder / names[-1]).unlink(missing_ok=True)
+    for file in old:
+        if file.name not in names:
+            file.unlink(missing_ok=True)
+    for name in names:
+        os.replace(stage / name, folder / name)
+    _sync_folder(folder)
 
 
 def _check_not_locked(target: Path, path: str | os.PathLike[str]) -> None:
@@ -104,6 +143,14 @@ def _check_not_locked(target: Path, path: str | os.PathLike[str]) -> None:
 
 def _sync(path: Path) -> None:
     file = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)
+
+
+def _sync_folder(folder: Path) -> None:
+    file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         os.fsync(file)
     finally:

@@ -535,6 +535,26 @@ def test_two_do_not_write_one_folder(tmp_path, deployed):
     assert crossgait.import_policy(file, ROBOT, folder, deploy).policy == str(folder / "walk.yaml")
 
 
+def test_an_import_replaces_all_of_another(tmp_path, deployed):
+    _, file, deploy = deployed
+    folder = tmp_path / "walk"
+    crossgait.import_policy(file, ROBOT, folder, deploy)
+    (folder / "walk.safetensors").write_bytes(b"of another form")
+    before = {each.name: each.read_bytes() for each in folder.iterdir()}
+    held = os.open(folder / "environment.yaml", os.O_RDWR)
+    fcntl.flock(held, fcntl.LOCK_EX)
+    with pytest.raises(ConfigError, match="a file that nobody is writing"):
+        crossgait.import_policy(file, ROBOT, folder, deploy)
+    os.close(held)
+    (folder / "deploy.yaml").write_text("unknown: 1\n")
+    with pytest.raises(ConfigError):
+        crossgait.import_policy(file, ROBOT, folder, folder / "deploy.yaml")
+    (folder / "deploy.yaml").unlink()
+    assert {each.name: each.read_bytes() for each in folder.iterdir()} == before
+    crossgait.import_policy(file, ROBOT, folder, deploy)
+    assert {each.name for each in folder.iterdir()} == set(before) - {"walk.safetensors"}
+
+
 def test_the_command_writes_json(tmp_path, deployed):
     _, file, deploy = deployed
     command = [

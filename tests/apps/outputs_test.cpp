@@ -109,6 +109,13 @@ TEST(Outputs, AreEachAFileByWhateverName) {
   for (const char* file : {"outputs_there.csv", "outputs_link.csv", "outputs_hard.csv"}) fs::remove(file);
 }
 
+TEST(Outputs, StandardOutputIsOneAlone) {
+  expect_bad_input("walk" + kEndless + "--trace - --report -", {"\"-\""});
+  expect_bad_input("terrain rough --png -", {"--png", "the name of a file"});
+  expect_bad_input("gait --csv - --json -", {"one output on standard output"});
+  EXPECT_FALSE(fs::exists("-"));
+}
+
 TEST(Outputs, OfEachEngineAreFilesToo) {
   if (available_engines().size() < 2) GTEST_SKIP() << "one engine alone";
   const std::string a = available_engines()[0], b = available_engines()[1];

@@ -487,6 +487,16 @@ TEST(ProgramBadInput, TimesHaveBoundsAndSaySo) {
   expect_bad_input("rollout --episode-seconds 1e300", {"episode_seconds", "1e6"});
 }
 
+TEST(ProgramBadInput, WhatIsNoNumberAndWhatIsEmptyAreNamed) {
+  for (const char* command :
+       {"verdict --push nan", "verdict --offset NaN", "compare --position-tolerance nan",
+        "report t.json --out p.html --shortest-contact nan", "video v.mp4 --fps nan"})
+    expect_bad_input(command, {});
+  expect_bad_input("verdict --push nan", {"--push", "a value", "nan"});
+  expect_bad_input("walk --speed ''", {"--speed"});
+  expect_bad_input("rollout --episode-seconds ''", {"--episode-seconds", "a value"});
+}
+
 TEST(ProgramBadInput, SeedsDoNotWrapAround) {
   for (const std::string seed :
        {"-1", "18446744073709551616", "1e3", "0x10", "1.5", "99999999999999999999999"}) {

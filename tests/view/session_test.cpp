@@ -348,6 +348,7 @@ TEST_P(ViewSessionTest, WhatIsOutOfBoundsChangesNothing) {
       {R"({"do": "drive", "vx": 0.1, "vy": 0, "yaw_rate": 1e308})", "yaw_rate"},
       {R"({"do": "set", "name": "cycle_time", "value": 0})", "cycle_time"},
       {R"({"do": "push", "impulse": [0, 0, 1e9]})", "push"},
+      {R"({"do": "pull", "to": [1e308, 1e308, 1e308]})", "pull, m"},
       {R"({"do": "engines", "engines": []})", "engines"},
       {R"({"do": "engines", "engines": ["no such engine"]})", "engines"},
   };

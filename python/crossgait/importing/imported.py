@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from crossgait._core import EnvironmentConfig, PolicyInterface, Robot
 from crossgait.errors import ConfigError
-from crossgait.files import check_outputs, locked_folder, noting_reads, read_bytes, written_whole
+from crossgait.files import (
+    check_outputs,
+    locked_folder,
+    noting_reads,
+    read_bytes,
+    replace_together,
+    staged,
+    written_whole,
+)
 from crossgait.importing import environment, forms, network, stated, terms
 from crossgait.importing.actuator import ACTUATOR_FILE, write_actuator
 from crossgait.importing.contract import SETTINGS, Contract, Field
@@ -118,8 +127,7 @@ def import_policy(
         if file.endswith(".onnx"):
             roots += _metadata(file)
     folder = Path(os.path.abspath(out))
-    written_there = (f"{folder.name}{ending}" for ending in (".onnx", ".yaml", ".safetensors"))
-    outputs = [("--out", folder / each) for each in (*written_there, ENVIRONMENT_FILE, TABLE_FILE, ACTUATOR_FILE)]
+    outputs = [("--out", folder / each) for each in (*_may_be_written(folder), TABLE_FILE)]
     check_outputs(outputs, [("the policy", file), *read])
     if not roots and not settings:
         raise ConfigError(file, "interface", "a file that says it (--from), or metadata in it", "neither")
@@ -133,16 +141,41 @@ def import_policy(
         return _write(file, folder, contract, made, roots, agent)
 
 
+def _may_be_written(folder: Path) -> list[str]:
+    """Names of what an import's network and environment may be, those of another form among them."""
+    return [
+        *(f"{folder.name}{ending}" for ending in (".onnx", ".yaml", ".safetensors")),
+        ENVIRONMENT_FILE,
+        ACTUATOR_FILE,
+    ]
+
+
+@contextmanager
+def _named_by(stage: Path, folder: Path) -> Iterator[None]:
+    """Errors within name files of the stage as they will be called."""
+    try:
+        yield
+    except ConfigError as error:
+        source = error.source.replace(os.fspath(stage), os.fspath(folder))
+        raise ConfigError(source, error.element, error.expected, error.found) from error
+
+
 def _write(
     file: str, folder: Path, contract: Contract, made: dict[str, Any], roots: list[Stated], agent: Stated | None
 ) -> Imported:
     environment_file = folder / ENVIRONMENT_FILE
-    if contract.actuator is not None:
-        made["joints"]["actuator"] = write_actuator(contract.actuator, folder)
-    config = EnvironmentConfig.parse(environment.to_text(made), str(environment_file))
-    written = network.write_network(file, PolicyInterface(config), folder, agent)
-    with written_whole(environment_file) as beside:
-        beside.write_text(environment.to_text(made))
+    # Beside the folder's files until all of it is known to work. What runs the policy wants its environment: it goes
+    # first and comes last, so that no network ever stands beside that of another.
+    with staged(folder) as stage, _named_by(stage, folder):
+        if contract.actuator is not None:
+            made["joints"]["actuator"] = write_actuator(contract.actuator, stage)
+        (stage / ENVIRONMENT_FILE).write_text(environment.to_text(made))
+        config = EnvironmentConfig.load(stage / ENVIRONMENT_FILE)
+        written = network.write_network(file, PolicyInterface(config), stage, agent)
+        names = sorted(each.name for each in stage.iterdir() if each.name != ENVIRONMENT_FILE)
+        replace_together(stage, folder, [*names, ENVIRONMENT_FILE], _may_be_written(folder))
+    written = os.fspath(folder / os.path.basename(written))
+    config = EnvironmentConfig.load(environment_file)
     unread = [
         f"{u.path or u.line} ({u.place})" for root in [*roots, *([agent] if agent else [])] for u in root.unread()
     ]

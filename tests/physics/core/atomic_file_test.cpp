@@ -55,6 +55,16 @@ TEST_F(AtomicFile, HonoursTheUmask) {
   EXPECT_EQ(std::filesystem::status(path("file")).permissions(), static_cast<std::filesystem::perms>(0640));
 }
 
+TEST_F(AtomicFile, IsReadByAsManyAsWhatItReplaces) {
+  write_file_atomically(path("file"), "old");
+  std::filesystem::permissions(path("file"), static_cast<std::filesystem::perms>(0600));
+  write_file_atomically(path("file"), "new");
+  EXPECT_EQ(std::filesystem::status(path("file")).permissions(), static_cast<std::filesystem::perms>(0600));
+  if (::geteuid() == 0) return;  // who may write everything
+  std::filesystem::permissions(path("file"), static_cast<std::filesystem::perms>(0400));
+  EXPECT_EQ(config_error([&] { write_file_atomically(path("file"), "x"); }).found(), "Permission denied");
+}
+
 TEST_F(AtomicFile, SaysWhereItCannotWrite) {
   const std::string file = path("no-such-folder/file");
   EXPECT_EQ(std::string(config_error([&] { write_file_atomically(file, "x"); }).what()),
