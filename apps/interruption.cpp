@@ -14,7 +14,7 @@ extern "C" void remember_interruption(int) { interruption_is_asked = true; }
 }  // namespace
 
 void listen_for_interruption() {
-  for (const int signal : std::array{SIGINT, SIGTERM}) {
+  for (const int signal : std::array{SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
     if (::sigaction(signal, nullptr, &before) != 0 || before.sa_handler != SIG_DFL) continue;
     struct sigaction action {};

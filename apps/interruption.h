@@ -8,8 +8,8 @@ namespace crossgait::apps {
 
 inline constexpr int kInterruptedExit = 130;  // 128 + SIGINT, as shells have it
 
-/// Remembers the first SIGINT or SIGTERM from now on; the second ends the program as usual. A signal that the
-/// program was started to ignore stays ignored.
+/// Remembers the first SIGINT, SIGTERM or SIGHUP (a terminal that was closed) from now on; the second ends
+/// the program as usual. A signal that the program was started to ignore stays ignored.
 void listen_for_interruption();
 /// @throws Interrupted (physics/core/progress.h) if there was one
 void check_interruption();

@@ -15,6 +15,7 @@
 #include "apps/command.h"
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
+#include "physics/core/temporary_folder.h"
 
 namespace crossgait::apps {
 namespace {
@@ -42,7 +43,7 @@ std::string host_name() {
 }  // namespace
 
 std::string temporary_file(const std::string& name) {
-  std::string folder = (std::filesystem::temp_directory_path() / "crossgait.XXXXXX").string();
+  std::string folder = (temporary_root("--open") / "crossgait.XXXXXX").string();
   if (::mkdtemp(folder.data()) == nullptr)  // for its owner alone
     throw std::runtime_error(
         fmt::format("{}: no folder can be made: {}", folder, std::generic_category().message(errno)));

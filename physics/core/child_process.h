@@ -17,9 +17,9 @@ struct ChildResult {
 
 enum class ChildErrors { kKept, kShown };  ///< shown: on this program's own standard error, as they come
 
-/// Says what becomes of a SIGINT or SIGTERM of this program while it waits for a child. Handed on: the child
-/// is given it, unless a terminal has done so itself, and this program acts on it when the child has ended.
-/// One such child at a time.
+/// Says what becomes of a SIGINT, SIGTERM or SIGHUP of this program while it waits for a child. Handed on:
+/// the child is given it, unless a terminal has done so itself, and this program acts on it when the child
+/// has ended. One such child at a time.
 enum class ChildSignals { kLeft, kHandedOn };
 
 /// Bounds what a child may take before it is ended.

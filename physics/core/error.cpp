@@ -10,8 +10,15 @@ namespace {
 // An error says where to look; it does not print the file. Lists of known names are the longest that help.
 constexpr std::size_t kMostQuoted = 500, kMostPath = 4096, kMostExpected = 8192;
 
-/// Bytes of the character of UTF-8 that `text` begins with; 0 if it begins with none, or with a control
-/// character (of C0 or C1, or delete): some terminals take U+009B for the beginning of a command.
+/// Whether a character of UTF-8 turns the direction of what follows it, so that a line reads as another.
+bool turns_direction(std::string_view character) {
+  return character == "\u061c" || (character >= "\u200e" && character <= "\u200f") ||
+         (character >= "\u202a" && character <= "\u202e") || (character >= "\u2066" && character <= "\u2069");
+}
+
+/// Bytes of the character of UTF-8 that `text` begins with; 0 if it begins with none, with a control
+/// character (of C0 or C1, or delete), since some terminals take U+009B for the beginning of a command, or
+/// with one that turns the direction of text.
 std::size_t printable(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text.front());
   if (lead < 0x80) return (lead < 0x20 && lead != '\n' && lead != '\t') || lead == 0x7f ? 0 : 1;
@@ -20,7 +27,8 @@ std::size_t printable(std::string_view text) {
   const std::size_t length = lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
   const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
   const std::string_view rest = text.substr(1, length - 1);
-  return rest.size() == length - 1 && std::all_of(rest.begin(), rest.end(), continues) ? length : 0;
+  const bool is_whole = rest.size() == length - 1 && std::all_of(rest.begin(), rest.end(), continues);
+  return is_whole && !turns_direction(text.substr(0, length)) ? length : 0;
 }
 
 // Where it is: of a name with an end of line in it, two lines would look like two errors.

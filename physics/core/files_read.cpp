@@ -27,6 +27,11 @@ void FilesRead::note(const std::string& path, std::string_view bytes) {
   if (innermost != nullptr) innermost->add({path, sha256_hex(bytes)});
 }
 
+void FilesRead::note(const std::vector<FileRead>& files) {
+  if (innermost == nullptr) return;
+  for (const FileRead& file : files) innermost->add(file);
+}
+
 void FilesRead::add(FileRead file) {
   // A file that changed in between stands twice: what was made of it is of both.
   if (std::find(files_.begin(), files_.end(), file) == files_.end()) files_.push_back(std::move(file));

@@ -41,6 +41,8 @@ class FilesRead {
   static const FilesRead* current() noexcept;
   /// Tells the innermost of this thread, if there is one, of a file that was read.
   static void note(const std::string& path, std::string_view bytes);
+  /// Tells it of files that another thread read for this one.
+  static void note(const std::vector<FileRead>& files);
 
  private:
   void add(FileRead file);

@@ -79,6 +79,7 @@ LockedFile::LockedFile(std::string path) : path_(std::move(path)) {
 
 LockedFile::~LockedFile() {
   if (dirty_) ::fsync(file_);
+  ::flock(file_, LOCK_UN);  // closing does not, where a fork has the file, too
   ::close(file_);
 }
 

@@ -46,14 +46,23 @@ void remove_left_folders(const fs::path& among) {
 
 }  // namespace
 
+fs::path temporary_root(const std::string& source) {
+  std::error_code error;
+  fs::path root = fs::temp_directory_path(error);
+  const char* named = std::getenv("TMPDIR");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+  if (error)
+    throw ConfigError(source, "TMPDIR", "a folder for temporary files", named == nullptr ? "none" : named);
+  return root;
+}
+
 TemporaryFolder::TemporaryFolder(const std::string& command) {
-  remove_left_folders(fs::temp_directory_path());
+  remove_left_folders(temporary_root(command));
   while (!make(command)) {
   }
 }
 
 bool TemporaryFolder::make(const std::string& command) {
-  std::string path = (fs::temp_directory_path() / fmt::format("crossgait-{}-XXXXXX", ::getpid())).string();
+  std::string path = (temporary_root(command) / fmt::format("crossgait-{}-XXXXXX", ::getpid())).string();
   if (::mkdtemp(path.data()) == nullptr)
     throw ConfigError(command, path, "a folder that can be made", std::generic_category().message(errno));
   path_ = path;

@@ -6,6 +6,9 @@
 
 namespace crossgait {
 
+/// Returns the folder of temporary files. @throws ConfigError naming `source` if there is none
+std::filesystem::path temporary_root(const std::string& source);
+
 /// Makes a folder among temporary files, crossgait-PID-XXXXXX, for its owner alone, and removes it at its
 /// end.
 ///

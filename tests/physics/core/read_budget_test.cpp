@@ -122,6 +122,8 @@ TEST(ConfigErrors, QuoteWhatIsNoTextByItsBytes) {
   EXPECT_EQ(quoted("\xc3("), "\\xc3(") << "not continued";
   EXPECT_EQ(quoted("half \xe2\x82"), "half \\xe2\\x82") << "cut off";
   EXPECT_EQ(quoted("\x80"), "\\x80") << "nothing to continue";
+  EXPECT_EQ(quoted("a\u202eb\u2066"), "a\\xe2\\x80\\xaeb\\xe2\\x81\\xa6") << "text that runs backwards";
+  EXPECT_EQ(quoted("\u2026"), "\u2026");
 }
 
 }  // namespace
