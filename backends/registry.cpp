@@ -133,6 +133,13 @@ Engine EngineRegistry::find(std::string_view name) const {
       throw ConfigError("engine", name, fmt::format("one of {}", fmt::join(available(), ", ")), entry.reason);
     }
   }
+  if (constexpr std::string_view kRelease = "mujoco@"; name.starts_with(kRelease)) {
+    throw ConfigError(
+        "engine", name, fmt::format("one of {}", fmt::join(available(), ", ")),
+        fmt::format("a release that is not here (scripts/install-dependencies --mujoco {}, and a "
+                    "build after it, bring it)",
+                    split_factors(name).first.substr(kRelease.size())));
+  }
   fail_unknown_name(name, available(), "engine", "name");
 }
 

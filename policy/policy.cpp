@@ -82,6 +82,14 @@ PolicyFactory load_policy(const std::string& text) {
   const std::string extension = std::filesystem::path(file).extension();
   if (extension == ".safetensors") return load_mlp_policy(file);
   if (extension == ".yaml") return load_described(file);
+  for (const std::string_view foreign : {".onnx", ".pt", ".pth", ".zip"}) {
+    if (extension == foreign)
+      throw ConfigError(
+          file, "policy",
+          "FILE.safetensors: `crossgait import` makes a folder with one of a network (in Python "
+          "import_policy, or Policy.from_onnx and the like)",
+          extension);
+  }
   std::vector<std::string> known{"zero", "random"};
   for (std::string& name : policy_names()) known.push_back(std::move(name));
   throw ConfigError("policy", text, fmt::format("{}, FILE.safetensors or FILE.yaml", fmt::join(known, ", ")),

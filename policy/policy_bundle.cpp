@@ -57,22 +57,14 @@ MlpNetwork rounded(MlpNetwork network) {
   return network;
 }
 
+void expect(const std::string& path, std::string_view element, Eigen::Index found, Eigen::Index expected) {
+  if (found != expected) throw ConfigError(path, element, std::to_string(expected), std::to_string(found));
+}
+
 void check_fit(const std::string& path, const MlpNetwork& network, const PolicyInterface& interface) {
-  const auto expect = [&](std::string_view element, Eigen::Index found, Eigen::Index expected) {
-    if (found != expected) throw ConfigError(path, element, std::to_string(expected), std::to_string(found));
-  };
-  auto width = static_cast<Eigen::Index>(interface.observation.size());
-  if (network.observation_mean.size() + network.observation_std.size() > 0) {
-    expect("size of observation_mean", network.observation_mean.size(), width);
-    expect("size of observation_std", network.observation_std.size(), width);
-  }
-  if (network.layers.empty()) throw ConfigError(path, "layers", "at least one", "none");
-  for (const MlpLayer& layer : network.layers) {
-    expect("columns of a layer's weight", layer.weight.cols(), width);
-    width = layer.weight.rows();
-    expect("size of a layer's bias", layer.bias.size(), width);
-  }
-  expect("outputs", width, static_cast<Eigen::Index>(interface.action.size()));
+  check_layers(path, network, static_cast<Eigen::Index>(interface.observation.size()));
+  expect(path, "outputs", network.layers.back().weight.rows(),
+         static_cast<Eigen::Index>(interface.action.size()));
 }
 
 /// @param stored  the network as the file will hold it
@@ -125,6 +117,20 @@ Eigen::VectorXd MlpNetwork::evaluate(const Eigen::VectorXd& observation) const {
     }
   }
   return x;
+}
+
+void check_layers(const std::string& path, const MlpNetwork& network, Eigen::Index inputs) {
+  if (network.layers.empty()) throw ConfigError(path, "layers", "at least one", "none");
+  if (network.observation_mean.size() + network.observation_std.size() > 0) {
+    expect(path, "size of observation_mean", network.observation_mean.size(), inputs);
+    expect(path, "size of observation_std", network.observation_std.size(), inputs);
+  }
+  Eigen::Index width = inputs;
+  for (const MlpLayer& layer : network.layers) {
+    expect(path, "columns of a layer's weight", layer.weight.cols(), width);
+    width = layer.weight.rows();
+    expect(path, "size of a layer's bias", layer.bias.size(), width);
+  }
 }
 
 PolicyBundle make_policy_bundle(const MlpNetwork& network, const PolicyInterface& interface,

@@ -50,6 +50,11 @@ PolicyBundle read_policy_bundle(const std::string& path);
 /// @throws ConfigError saying in which entry the layouts differ, unless the bundle is for this interface
 void check_interface(const PolicyBundle& bundle, const PolicyInterface& interface, const std::string& path);
 
+/// @param path  what stands for the file in messages
+/// @throws ConfigError unless there are layers, of which each takes what the one before gives and the first
+/// `inputs` numbers, as the normalisation does, if there is one
+void check_layers(const std::string& path, const MlpNetwork& network, Eigen::Index inputs);
+
 /// Makes a network for `interface`, its weights and biases rounded to single precision as a file holds them,
 /// with golden pairs of its own choice.
 /// @param source  what stands for the file in messages

@@ -96,14 +96,18 @@ std::span<const double> doubles(const AnyArray& array, const std::array<std::siz
   return copy;
 }
 
-/// Returns whatever NumPy makes numbers of, as float64 in C order: arrays of any type, lists. @throws as
-/// numpy.asarray does
+/// Returns whatever NumPy makes numbers of, as float64 in C order: arrays of any type, lists. @throws
+/// ConfigError for what is none
 inline nb::ndarray<const double, nb::c_contig, nb::device::cpu> numbers_of(const nb::object& values) {
   nb::ndarray<const double, nb::c_contig, nb::device::cpu> array;
   if (nb::try_cast(values, array, false)) return array;
   const nb::object numpy = nb::module_::import_("numpy");
-  return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(
-      numpy.attr("ascontiguousarray")(values, numpy.attr("float64")));
+  try {
+    return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(
+        numpy.attr("ascontiguousarray")(values, numpy.attr("float64")));
+  } catch (const nb::python_error&) {
+    throw ConfigError("array", "values", "numbers", nb::repr(values).c_str());
+  }
 }
 
 /// Returns numbers as a vector. @throws ConfigError naming `what` unless it has one dimension

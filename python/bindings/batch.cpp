@@ -1,6 +1,7 @@
 #include "python/bindings/batch.h"
 
 #include <array>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -21,18 +22,20 @@
 namespace crossgait::python {
 
 std::vector<std::size_t> chosen(const Batch& batch, const Indices& indices) {
-  std::vector<std::size_t> all;
-  if (!indices) {
-    for (std::size_t i = 0; i < batch.size(); ++i) all.push_back(i);
-    return all;
+  std::vector<std::size_t> all(batch.size());
+  std::iota(all.begin(), all.end(), 0);
+  if (indices.is_none()) return all;
+  try {
+    const nb::object numpy = nb::module_::import_("numpy"), numbers = numpy.attr("arange")(all.size());
+    // A tuple would be an index for each dimension.
+    const nb::object index = nb::isinstance<nb::tuple>(indices) ? nb::list(indices) : indices;
+    return nb::cast<std::vector<std::size_t>>(numpy.attr("atleast_1d")(numbers[index]).attr("tolist")());
+  } catch (const nb::python_error&) {
+  } catch (const nb::cast_error&) {
   }
-  for (const std::size_t i : *indices) {
-    if (i >= batch.size())
-      throw ConfigError(Batch::kSource, "indices", fmt::format("0 to {}", batch.size() - 1),
-                        fmt::format("{}", i));
-    all.push_back(i);
-  }
-  return all;
+  throw ConfigError(Batch::kSource, "indices",
+                    fmt::format("numbers from 0 to {}, a slice, or a mask of {}", all.size() - 1, all.size()),
+                    nb::repr(indices).c_str());
 }
 
 const void* identity_of(const Batch& batch) noexcept { return batch.owner; }
@@ -293,7 +296,7 @@ void bind_batch(nb::module_& m) {
            nb::arg("qvel").none() = nb::none(), nb::arg("indices").none() = nb::none(),
            nb::sig("def set_state(self, qpos: numpy.typing.ArrayLike | None = None, qvel: "
                    "numpy.typing.ArrayLike | "
-                   "None = None, indices: collections.abc.Sequence[int] | None = None) -> None"),
+                   "None = None, indices: numpy.typing.ArrayLike | slice | None = None) -> None"),
            "Puts robots into states, those of `indices` or all: rows as `qpos` and `qvel` have them, or one "
            "row for "
            "all. Contacts and targets on their way are forgotten, and no way counts as made. The next step's "
@@ -303,8 +306,7 @@ void bind_batch(nb::module_& m) {
       .def("set_commands", guarded(&set_commands), nb::arg("commands"),
            nb::arg("indices").none() = nb::none(),
            nb::sig("def set_commands(self, commands: numpy.typing.ArrayLike, indices: "
-                   "collections.abc.Sequence[int] | "
-                   "None = None) -> None"),
+                   "numpy.typing.ArrayLike | slice | None = None) -> None"),
            "Asks for other velocities (m/s, m/s, rad/s) to the end of the episodes.")
       .def("apply_wrench", guarded(&apply_wrench), nb::arg("body"), nb::arg("force"),
            nb::arg("torque").none() = nb::none(), nb::arg("point").none() = nb::none(),
@@ -312,7 +314,7 @@ void bind_batch(nb::module_& m) {
            nb::sig("def apply_wrench(self, body: str, force: numpy.typing.ArrayLike, torque: "
                    "numpy.typing.ArrayLike | "
                    "None = None, point: numpy.typing.ArrayLike | None = None, indices: "
-                   "collections.abc.Sequence[int] | None = None) -> None"),
+                   "numpy.typing.ArrayLike | slice | None = None) -> None"),
            "Lets a force (N) and torque (N m), in W, act on a body during the next step, the force at a "
            "point of the "
            "body's frame (m; None: its centre of mass). One for all, or a row each. Wrenches add up. Raises "
@@ -320,7 +322,7 @@ void bind_batch(nb::module_& m) {
       .def("set_parameters", guarded(&set_parameters), nb::arg("parameters"),
            nb::arg("indices").none() = nb::none(),
            nb::sig("def set_parameters(self, parameters: dict[str, typing.Any], indices: "
-                   "collections.abc.Sequence[int] | None = None) -> None"),
+                   "numpy.typing.ArrayLike | slice | None = None) -> None"),
            "Changes worlds, for these episodes and those that follow: {'friction': 0.4, 'mass': 'x1.1', "
            "'kp': 30}, "
            "quantities as `crossgait verdict --against` takes them. A factor is of what the configuration "

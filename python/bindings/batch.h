@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,8 +13,8 @@
 
 namespace crossgait::python {
 
-/// Says which environments; without it all.
-using Indices = std::optional<std::vector<std::size_t>>;
+/// Says which environments as NumPy's indices do: numbers, a slice or a mask; None is all.
+using Indices = nanobind::object;
 
 /// Holds one environment, or all of a vector; its owner outlives it.
 struct Batch {
@@ -52,7 +51,7 @@ struct Batch {
   }
 };
 
-/// Returns the numbers of environments. @throws ConfigError for one that is none
+/// Returns the numbers of environments. @throws ConfigError for what names none
 std::vector<std::size_t> chosen(const Batch& batch, const Indices& indices);
 
 }  // namespace crossgait::python

@@ -9,6 +9,7 @@
 #include "motion/standing.h"
 #include "physics/core/error.h"
 #include "python/bindings/arrays.h"
+#include "python/bindings/inputs.h"
 
 namespace crossgait::python {
 namespace {
@@ -26,7 +27,7 @@ Eigen::MatrixXd numbers(const nb::object& returned, const std::string& name, Eig
         second != static_cast<std::size_t>(columns))
       throw ConfigError(name, "targets", expected, nb::repr(returned).c_str());
     values = Eigen::Map<const decltype(values)>(array.data(), rows, columns);
-  } catch (const nb::python_error&) {
+  } catch (const ConfigError&) {
     throw ConfigError(name, "targets", expected, nb::repr(returned).c_str());
   }
   if (!values.allFinite()) throw ConfigError(name, "targets", "finite numbers", nb::repr(returned).c_str());
@@ -37,7 +38,7 @@ Eigen::MatrixXd numbers(const nb::object& returned, const std::string& name, Eig
 class PythonFunction {
  public:
   PythonFunction(const PythonController& behaviour, const RobotDescription& robot)
-      : name_(behaviour.name), function_(make(behaviour.make)) {
+      : name_(behaviour.name), function_(make(behaviour)) {
     state_.q = robot.home;
     state_.qd = JointVector::Zero(robot.joint_count());
   }
@@ -49,9 +50,13 @@ class PythonFunction {
   }
 
  private:
-  static SharedObject make(const SharedObject& maker) {
+  static SharedObject make(const PythonController& behaviour) {
     const nb::gil_scoped_acquire acquire;
-    return SharedObject(maker.get()());
+    SharedObject function(behaviour.make.get()());
+    if (PyCallable_Check(function.get().ptr()) == 0)
+      throw ConfigError(behaviour.name, "make", "a function that returns a function",
+                        type_called(function.get()));
+    return function;
   }
 
   std::string name_;
@@ -150,7 +155,8 @@ WalkSetup setup_of(const Subject& subject) {
 
 void bind_behaviour(nb::module_& m) {
   nb::class_<PythonController>(
-      m, "Controller", "A controller of your own: what `walk`, `compare` and `verdict` take beside gaits.")
+      m, "Controller", nb::type_slots(kHolderSlots<PythonController>),
+      "A controller of your own: what `walk`, `compare` and `verdict` take beside gaits.")
       .def(
           "__init__",
           [](PythonController* self, const nb::callable& make, const PythonWalk& walk,

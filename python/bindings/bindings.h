@@ -26,4 +26,8 @@ void bind_run_spec(nb::module_& m);
 void bind_trace_file(nb::module_& m);
 void bind_files_read(nb::module_& m);
 
+/// Lets every function and class of the module say which argument does not fit. @throws std::logic_error if
+/// nanobind calls its functions in more ways than six
+void tell_errors_of_calls(const nb::module_& m);
+
 }  // namespace crossgait::python

@@ -1,5 +1,6 @@
 #include "python/bindings/environment.h"
 
+#include <fmt/format.h>
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -114,6 +115,12 @@ void bind_reading(nb::class_<T>& c) {
                      const LegArray<FootContact>& feet = e.get().info().contacts;
                      return std::vector<FootContact>(feet.begin(), feet.end());
                    }))
+      .def("__repr__",
+           [](nb::handle self) {
+             const QuadrupedEnv& env = nb::cast<const T&>(self).get();
+             return fmt::format("<crossgait.{}: {} in {}>", nb::str(self.type().attr("__name__")).c_str(),
+                                env.config().robot, env.engine().name());
+           })
       .def("summary", guarded([](const T& e) { return to_python(to_json(e.get().summary())); }),
            nb::sig("def summary(self) -> dict[str, typing.Any]"),
            "The episode so far, with the keys of `crossgait walk --json`.");
@@ -158,7 +165,10 @@ void bind_environment(nb::module_& m) {
       },
       nb::sig("def reward_terms() -> dict[str, str]"), "What the names of the table of rewards mean.");
   nb::class_<QuadrupedEnv::Saved>(m, "SavedEpisode",
-                                  "An instant of an episode: restoring it continues bit for bit.");
+                                  "An instant of an episode: restoring it continues bit for bit.")
+      .def("__repr__", [](const QuadrupedEnv::Saved& s) {
+        return fmt::format("<crossgait.SavedEpisode at {:g} s>", s.physics.state.time);
+      });
   bind_view(m);
   nb::class_<Environment> environment(
       m, "Environment",

@@ -19,29 +19,34 @@
 namespace crossgait::python {
 namespace {
 
-std::string json_text(nb::handle value);
+constexpr int kMostLevels = 32;  // as files of environments have
+
+std::string json_text(nb::handle value, int level = 0);
 
 // What stands for a ground or a robot is looked at first: the core would take a number for a name.
-std::string value_text(const std::string& name, nb::handle value) {
+std::string value_text(const std::string& name, nb::handle value, int level) {
   if (name == "terrain" && !value.is_none()) return nlohmann::json(terrain_text(value, "environment")).dump();
   if (name == "robot" && !value.is_none()) return nlohmann::json(robot_text(value, "environment")).dump();
-  return json_text(value);
+  const bool is_name = name == "engine" || name == "gait" || name == "action" || name == "preset";
+  if (is_name && !value.is_none() && !nb::isinstance<nb::str>(value) && !nb::isinstance<EngineListing>(value))
+    throw ConfigError("environment", name, "a name", type_called(value));
+  return json_text(value, level);
 }
 
-std::string mapping_text(nb::handle mapping) {
+std::string mapping_text(nb::handle mapping, int level) {
   std::string text;
   const auto keys = nb::borrow<nb::dict>(nb::module_::import_("builtins").attr("dict")(mapping));
   for (const auto& [key, value] : keys) {
     text += text.empty() ? "" : ", ";
     const std::string name = nb::str(key).c_str();
-    text += nlohmann::json(name).dump() + ": " + value_text(name, value);
+    text += nlohmann::json(name).dump() + ": " + value_text(name, value, level);
   }
   return "{" + text + "}";
 }
 
-std::string list_text(nb::handle list) {
+std::string list_text(nb::handle list, int level) {
   std::string text;
-  for (const nb::handle item : list) text += (text.empty() ? "" : ", ") + json_text(item);
+  for (const nb::handle item : list) text += (text.empty() ? "" : ", ") + json_text(item, level);
   return "[" + text + "]";
 }
 
@@ -57,19 +62,21 @@ nb::object as_written(nb::handle numbers) {
 
 // Python's own values, NumPy's, paths, robots, terrains and engines, as the text that the core reads. @throws
 // ConfigError for others
-std::string json_text(nb::handle value) {
+std::string json_text(nb::handle value, int level) {
+  if (level > kMostLevels)
+    throw ConfigError("environment", "keys", fmt::format("at most {} levels", kMostLevels), "more");
   if (value.is_none()) return "null";
   if (nb::isinstance<nb::bool_>(value)) return nb::cast<bool>(value) ? "true" : "false";
   if (nb::isinstance<nb::float_>(value)) return fmt::format("{}", nb::cast<double>(value));
   if (nb::isinstance<nb::int_>(value)) return nb::str(value).c_str();
   if (nb::isinstance<nb::str>(value)) return nlohmann::json(nb::cast<std::string>(value)).dump();
-  if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) return list_text(value);
-  if (nb::hasattr(value, "keys")) return mapping_text(value);
+  if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) return list_text(value, level + 1);
+  if (nb::hasattr(value, "keys")) return mapping_text(value, level + 1);
   if (nb::isinstance<Terrain>(value)) return nlohmann::json(terrain_text(value, "terrain")).dump();
   if (nb::isinstance<Robot>(value)) return nlohmann::json(robot_text(value, "robot")).dump();
-  if (nb::isinstance<EngineListing>(value)) return json_text(value.attr("name"));
-  if (nb::hasattr(value, "tolist")) return json_text(as_written(value).attr("tolist")());
-  if (nb::hasattr(value, "__fspath__")) return json_text(value.attr("__fspath__")());
+  if (nb::isinstance<EngineListing>(value)) return json_text(value.attr("name"), level);
+  if (nb::hasattr(value, "tolist")) return json_text(as_written(value).attr("tolist")(), level + 1);
+  if (nb::hasattr(value, "__fspath__")) return json_text(value.attr("__fspath__")(), level + 1);
   throw ConfigError("config", nb::repr(value).c_str(), "numbers, text, lists and mappings",
                     nb::cast<std::string>(value.type().attr("__name__")));
 }
@@ -83,13 +90,38 @@ nb::dict given(const nb::kwargs& keys) {
   return said;
 }
 
+// What `read` makes of keys and values: they are on no line, whatever the reader of files says.
+template <typename Read>
+EnvConfig of_keys(nb::handle keys, const Read& read) {
+  const std::string text = json_text(keys);
+  try {
+    return read(text);
+  } catch (const ConfigError& error) {
+    constexpr std::string_view kLine = "line 1, ";
+    const std::string& element = error.element();
+    throw ConfigError(error.source(), element.substr(element.starts_with(kLine) ? kLine.size() : 0),
+                      error.expected(), error.found());
+  }
+}
+
+EnvConfig parsed(nb::handle keys, const std::string& source) {
+  if (nb::isinstance<nb::str>(keys)) return parse_env_config(nb::cast<std::string>(keys), source);
+  return of_keys(keys, [&](const std::string& text) { return parse_env_config(text, source); });
+}
+
 EnvConfig updated(const EnvConfig& config, nb::handle changes, const std::string& source,
                   const nb::kwargs& keys) {
-  const std::string text =
-      nb::isinstance<nb::str>(changes) ? nb::cast<std::string>(changes) : json_text(changes);
-  EnvConfig result = text.empty() ? config : override_env_config(config, text, source);
+  const auto change = [&source](const EnvConfig& of, nb::handle changed) {
+    return of_keys(changed, [&](const std::string& text) { return override_env_config(of, text, source); });
+  };
+  EnvConfig result = config;
+  if (!nb::isinstance<nb::str>(changes)) {
+    result = change(config, changes);
+  } else if (const auto text = nb::cast<std::string>(changes); !text.empty()) {
+    result = override_env_config(config, text, source);
+  }
   const nb::dict said = given(keys);
-  return said.size() == 0 ? result : override_env_config(result, json_text(said), source);
+  return said.size() == 0 ? result : change(result, said);
 }
 
 /// A key as an attribute, but for robot and terrain. What the configuration does not say is the JSON text
@@ -171,7 +203,9 @@ const std::string kKeywords =
     "collections.abc.Sequence[float]] | None = None";
 
 const std::string kConstructor =
-    "def __init__(self, *, preset: str | None = None, action: str | None = None, " + kKeywords + ") -> None";
+    "def __init__(self, of: str | os.PathLike[str] | collections.abc.Mapping[str, typing.Any] | Walk | "
+    "EnvironmentConfig | None = None, /, *, preset: str | None = None, action: str | None = None, " +
+    kKeywords + ") -> None";
 const std::string kUpdated =
     "def updated(self, changes: str | collections.abc.Mapping[str, typing.Any] = '', source: str = "
     "'environment', *, " +
@@ -180,11 +214,19 @@ const std::string kUpdated =
 void bind_making(nb::class_<EnvConfig>& c) {
   c.def(
        "__init__",
-       [](EnvConfig* self, const nb::kwargs& keys) {
-         new (self) EnvConfig(parse_env_config(json_text(given(keys)), "EnvironmentConfig"));
+       [](EnvConfig* self, const nb::object& of, const nb::kwargs& keys) {
+         if (of.is_none()) {
+           new (self) EnvConfig(parsed(given(keys), "EnvironmentConfig"));
+         } else {
+           const nb::object taken =
+               nb::module_::import_("crossgait.inputs").attr("as_environment")(of, "EnvironmentConfig");
+           new (self)
+               EnvConfig(updated(nb::cast<const EnvConfig&>(taken), nb::str(""), "EnvironmentConfig", keys));
+         }
        },
-       nb::sig(kConstructor.c_str()),
-       "Of keywords, each a key; without any the default. None leaves a key as it is. `action=\"joints\"` "
+       nb::arg("of").none() = nb::none(), nb::arg("keys"), nb::sig(kConstructor.c_str()),
+       "Of keywords, each a key; without any the default. None leaves a key as it is. `of` is what they "
+       "change: a YAML file, a mapping of keys, a walk or a configuration. `action=\"joints\"` "
        "begins "
        "with what policies that command joints use, `preset=\"guide\"` with the guide's environment. Raises "
        "ConfigError.")
@@ -192,20 +234,13 @@ void bind_making(nb::class_<EnvConfig>& c) {
           "load", [](const std::filesystem::path& path) { return load_env_config(path.string()); },
           nb::arg("path"), "Of a YAML file. Raises ConfigError.")
       .def_static(
-          "parse",
-          [](nb::handle keys, const std::string& source) {
-            return parse_env_config(
-                nb::isinstance<nb::str>(keys) ? nb::cast<std::string>(keys) : json_text(keys), source);
-          },
+          "parse", [](nb::handle keys, const std::string& source) { return parsed(keys, source); },
           nb::arg("text"), nb::arg("source") = "environment",
           nb::sig("def parse(text: str | collections.abc.Mapping[str, typing.Any], source: str = "
                   "'environment') -> EnvironmentConfig"),
           "Of YAML, JSON or a mapping; `source` stands for the file in messages. Raises ConfigError.")
       .def_static(
-          "from_dict",
-          [](nb::handle keys, const std::string& source) {
-            return parse_env_config(json_text(keys), source);
-          },
+          "from_dict", [](nb::handle keys, const std::string& source) { return parsed(keys, source); },
           nb::arg("keys"), nb::arg("source") = "environment",
           nb::sig("def from_dict(keys: collections.abc.Mapping[str, typing.Any], source: str = "
                   "'environment') -> EnvironmentConfig"),
@@ -246,7 +281,16 @@ void bind_saying(nb::class_<EnvConfig>& c) {
           },
           nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
       .def("__hash__", [](const EnvConfig& config) { return std::hash<std::string>()(to_yaml(config)); })
-      .def("__getstate__", [](const EnvConfig& config) { return to_yaml(config); })
+      .def("__copy__", [](const EnvConfig& config) { return config; })
+      .def("__deepcopy__", [](const EnvConfig& config, nb::handle) { return config; })
+      .def("__getstate__",
+           [](const EnvConfig& config) {
+             if (config.extension != nullptr)
+               throw ConfigError("environment", "terms",
+                                 "a configuration without: they are functions of the program, and in no file",
+                                 "one with terms");
+             return to_yaml(config);
+           })
       .def("__setstate__", [](EnvConfig& config, const std::string& text) {
         new (&config) EnvConfig(parse_env_config(text, "environment"));
       });

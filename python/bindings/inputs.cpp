@@ -90,10 +90,6 @@ Terrain terrain_of(nb::handle value, const std::string& source, std::uint64_t se
   return text ? make_terrain(*text, seed) : known_terrain(value, source);
 }
 
-void refuse_keywords(const char* name, const nb::kwargs& unknown, const std::vector<std::string>& known) {
-  if (unknown.size() > 0) nb::module_::import_("crossgait.signatures").attr("refuse")(name, unknown, known);
-}
-
 Robot robot_of(nb::handle value, const std::string& source) {
   const auto text = path_text(value);
   return text ? load(*text) : known_robot(value, source);

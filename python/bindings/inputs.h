@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include <nanobind/nanobind.h>
 
@@ -39,10 +38,6 @@ class TerrainLike : public nanobind::object {
 /// Returns a terrain, or the one of a name or a file; `seed` is of a random one. @throws ConfigError naming
 /// `source` for anything else, and for one that cannot be read
 Terrain terrain_of(nanobind::handle value, const std::string& source, std::uint64_t seed = 0);
-
-/// Refuses keywords that a class has not, naming the nearest of those that it has. @throws TypeError
-void refuse_keywords(const char* name, const nanobind::kwargs& unknown,
-                     const std::vector<std::string>& known);
 
 /// Returns text that `make_terrain` gives back the same field of, to the last bit: a CSV file in the user's
 /// cache (`XDG_CACHE_HOME`, or ~/.cache), named by its contents, which is written unless it is there.

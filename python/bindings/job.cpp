@@ -9,6 +9,8 @@
 
 #include <nanobind/stl/string.h>
 
+#include "physics/core/files_read.h"
+
 namespace crossgait::python {
 namespace {
 
@@ -21,6 +23,7 @@ struct Shared {
   std::string stage;
   double share = 0;
   std::exception_ptr error;
+  std::vector<FileRead> files;  // that were read for it
 };
 
 // Jobs whose callers were interrupted. The process ends after they have.
@@ -59,6 +62,7 @@ void work_on(Shared& shared, const std::function<void(const StageProgress&)>& wo
     if (shared.stop) throw Interrupted();
   };
   std::exception_ptr error;
+  const FilesRead read;
   try {
     work(told);
   } catch (...) {
@@ -66,6 +70,7 @@ void work_on(Shared& shared, const std::function<void(const StageProgress&)>& wo
   }
   const std::scoped_lock lock(shared.mutex);
   shared.error = error;
+  shared.files = read.list();
   shared.done = true;
   shared.changed.notify_all();
 }
@@ -125,6 +130,7 @@ void Job::run(std::function<void(const StageProgress&)> work, const nb::object& 
     const nb::gil_scoped_release release;
     thread.join();
   }
+  FilesRead::note(shared->files);
   if (shared->error) std::rethrow_exception(shared->error);
   tell(progress, shared->stage, 1);
 }

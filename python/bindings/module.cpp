@@ -83,6 +83,7 @@ NB_MODULE(crossgait_core, m) {
   bind_kinematics(m);
   bind_gait(m);  // of the walks of studies
   refuse_bare_objects(m);
+  tell_errors_of_calls(m);
   is_loaded = true;
 }
 

@@ -70,6 +70,7 @@ MlpNetwork make_network(const std::vector<LayerArrays>& layers, const std::strin
   network.output = value_of(bundle_names::kOutputs, "output", output);
   if (normalisation) std::tie(network.observation_mean, network.observation_std) = *normalisation;
   if (clip) network.observation_clip = *clip;
+  check_layers("network", network, layers.empty() ? 0 : network.layers.front().weight.cols());
   return network;
 }
 

@@ -9,6 +9,7 @@
 
 #include "policy/mlp_policy.h"
 #include "python/bindings/arrays.h"
+#include "python/bindings/inputs.h"
 
 namespace crossgait::python {
 namespace {
@@ -32,7 +33,11 @@ class FunctionPolicy final : public Policy {
   }
 
   void do_reset(std::uint64_t) noexcept override {
-    guarded([this] { act_.emplace(make_.get()()); });
+    guarded([this] {
+      act_.emplace(make_.get()());
+      if (PyCallable_Check(act_->get().ptr()) == 0)
+        throw ConfigError(name(), "make", "a function that returns a function", type_called(act_->get()));
+    });
   }
 
   void do_act(std::span<const double> observation, std::span<double> action) noexcept override {

@@ -210,7 +210,7 @@ void bind_robot(nb::module_& m) {
              new (&r) Robot(unpickled(state.first, state.second));
            })
       .def("__repr__", [](const Robot& r) {
-        return "<crossgait.Robot '" + r.description->name +
+        return "<crossgait.Robot '" + printable_text(r.description->name, std::string::npos) +
                "': " + std::to_string(r.description->joint_count()) + " joints, " +
                std::to_string(r.description->total_mass()) + " kg>";
       });

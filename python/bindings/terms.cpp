@@ -31,20 +31,25 @@ class Held {
   ~Held() {
     if (!nb::is_alive()) return;
     const nb::gil_scoped_acquire acquire;
-    const nb::object modules = nb::steal(PyImport_GetModule(nb::str(kModule).ptr()));
-    if (!modules.is_valid()) {  // the process ends
-      PyErr_Clear();
-      return;
-    }
-    modules.attr("held").attr("pop")(key(), nb::none());
+    if (const nb::object held = find_dict(); held.is_valid()) held.attr("pop")(key(), nb::none());
   }
   Held(const Held&) = delete;
   Held& operator=(const Held&) = delete;
 
   nb::object get() const { return nb::borrow(dict()[key()]); }
+  /// As `get`, but not valid where the process ends and Python's dict is gone: for destructors.
+  nb::object find() const noexcept {
+    const nb::object held = find_dict();
+    return held.is_valid() ? nb::object(held.attr("get")(key())) : held;
+  }
 
  private:
   static constexpr const char* kModule = "crossgait.terms.running";
+  static nb::object find_dict() noexcept {
+    nb::object module = nb::steal(PyImport_GetModule(nb::str(kModule).ptr()));
+    if (!module.is_valid()) PyErr_Clear();
+    return module.is_valid() ? nb::object(module.attr("held")) : module;
+  }
   static nb::object dict() { return nb::module_::import_(kModule).attr("held"); }
   nb::object key() const { return nb::cast(reinterpret_cast<std::uintptr_t>(this)); }
 };
@@ -60,7 +65,8 @@ class PythonExtension final : public EnvExtension {
   ~PythonExtension() override {
     if (batch_ == nullptr || !nb::is_alive()) return;
     const nb::gil_scoped_acquire acquire;
-    nb::inst_ptr<Batch>(batch_->get())->single = nullptr;
+    if (const nb::object batch = batch_->find(); batch.is_valid() && !batch.is_none())
+      nb::inst_ptr<Batch>(batch)->single = nullptr;
   }
 
   void end(QuadrupedEnv&) override {

@@ -42,8 +42,7 @@ Terrain of_heights(const nb::object& given, std::optional<double> size_x, std::o
                     std::vector<float>(heights.data(), heights.data() + rows * columns), name)};
 }
 
-void make(Terrain* self, const TerrainLike& text, std::uint64_t seed, const nb::kwargs& unknown) {
-  refuse_keywords("Terrain", unknown, {"text", "seed"});
+void make(Terrain* self, const TerrainLike& text, std::uint64_t seed) {
   new (self) Terrain(terrain_of(text, "terrain", seed));
 }
 
@@ -112,9 +111,7 @@ Terrain of_state(const State& state) {
 void bind_terrain(nb::module_& m) {
   nb::class_<Terrain>(m, "Terrain", "The ground: an infinite plane or a height field. Immutable.")
       .def(
-          "__init__", &make, nb::arg("text") = "flat", nb::kw_only(), nb::arg("seed") = 0, nb::arg("unknown"),
-          nb::sig("def __init__(self, text: Terrain | str | os.PathLike[str] = 'flat', *, seed: int = 0) -> "
-                  "None"),
+          "__init__", &make, nb::arg("text") = "flat", nb::kw_only(), nb::arg("seed") = 0,
           "`NAME`, `NAME:key=value,...`, `FILE.png` or `FILE.csv`, as `crossgait terrain --list` shows them. "
           "Raises "
           "ConfigError.")

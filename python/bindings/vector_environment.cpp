@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <nanobind/stl/string.h>
 
 #include "backends/registry.h"
@@ -149,17 +150,25 @@ nb::dict final_infos_of(const VectorEnvironment& self) {
       [&](std::size_t i) { return self.bounds.names(self.final_outside[i]); });
 }
 
+void check_index(const VectorEnvironment& self, std::size_t i) {
+  if (i >= self.envs->size())
+    throw nb::index_error(
+        fmt::format("index: expected one from 0 to {}, found {}", self.envs->size() - 1, i).c_str());
+}
+
 nb::dict info_of(const VectorEnvironment& self, std::size_t i) {
-  return info(self.envs->environment(i).info(), self.weights(), self.bounds.names(self.outside.at(i)));
+  check_index(self, i);
+  return info(self.envs->environment(i).info(), self.weights(), self.bounds.names(self.outside[i]));
 }
 
 nb::object final_info_of(const VectorEnvironment& self, std::size_t i) {
-  if (self.ended.at(i) == 0) return nb::none();
+  check_index(self, i);
+  if (self.ended[i] == 0) return nb::none();
   return info(self.final_infos[i], self.weights(), self.bounds.names(self.final_outside[i]));
 }
 
 EnvironmentView environment_of(VectorEnvironment& self, std::size_t i) {
-  static_cast<void>(self.envs->environment(i));  // throws std::out_of_range
+  check_index(self, i);
   return {self.envs.get(), i};
 }
 
@@ -237,7 +246,12 @@ void bind_vector_environment(nb::module_& m) {
       .def_prop_ro("diverged", guarded([](const VectorEnvironment& v) { return v.envs->diverged(); }),
                    "Episodes that ended because the engine diverged.")
       .def_prop_ro("episodes", guarded([](const VectorEnvironment& v) { return v.envs->episodes(); }),
-                   "Episodes begun so far.");
+                   "Episodes begun so far.")
+      .def("__repr__", [](const VectorEnvironment& v) {
+        const QuadrupedEnv& first = v.envs->environment(0);
+        return fmt::format("<crossgait.VectorEnvironment: {} of {} in {}>", v.envs->size(),
+                           first.config().robot, first.engine().name());
+      });
 }
 
 }  // namespace crossgait::python

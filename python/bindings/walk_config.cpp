@@ -129,11 +129,7 @@ void make_walk(PythonWalk* self, const std::string& gait, const Velocity& comman
                const nb::object& robot, const nb::object& terrain, std::uint64_t seed,
                std::optional<double> friction, const std::string& contact, double seconds, double physics_dt,
                double control_dt, double settle, bool compensation, bool heading_hold,
-               const std::vector<std::string>& terminations, const nb::kwargs& unknown) {
-  refuse_keywords(
-      "Walk", unknown,
-      {"gait", "command", "parameters", "robot", "terrain", "seed", "friction", "contact", "seconds",
-       "physics_dt", "control_dt", "settle", "compensation", "heading_hold", "terminations"});
+               const std::vector<std::string>& terminations) {
   new (self) PythonWalk(WalkArguments{
       gait, command, parameters, robot_text(robot, "Walk"), terrain_text(terrain, "Walk"), seed, friction,
       contact, seconds, physics_dt, control_dt, settle, compensation, heading_hold, terminations});
@@ -202,8 +198,7 @@ void bind_walk_config(nb::module_& m) {
       nb::arg("seed") = 0, nb::arg("friction") = nb::none(), nb::arg("contact") = "",
       nb::arg("seconds") = 5.0, nb::arg("physics_dt") = 1e-3, nb::arg("control_dt") = 2e-3,
       nb::arg("settle") = 0.5, nb::arg("compensation") = true, nb::arg("heading_hold") = true,
-      nb::arg("terminations") = std::vector<std::string>{"left_terrain"}, nb::arg("unknown"),
-      nb::sig(kWalkConstructor),
+      nb::arg("terminations") = std::vector<std::string>{"left_terrain"}, nb::sig(kWalkConstructor),
       "`gait` by name, or auto with a `command` (forward m/s, left m/s, yaw rate rad/s); `parameters` "
       "change the gait's own, by name (`swing` is bezier or matched); `robot` and `terrain` by name, by file "
       "or as objects; `seed` is of a random terrain; `terminations` are outcomes that end the walk, beside "

@@ -1,5 +1,6 @@
 // One world in one engine, to be driven by hand.
 #include <algorithm>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <nanobind/eigen/dense.h>
@@ -8,6 +9,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
@@ -178,6 +180,24 @@ void bind_state(nb::module_& m) {
       .def(nb::init<>())
       .def("__copy__", [](const RobotState& s) { return RobotState(s); })
       .def("__deepcopy__", [](const RobotState& s, nb::handle) { return RobotState(s); })
+      .def("__getstate__",
+           [](const RobotState& s) {
+             return nb::make_tuple(s.time, s.p_WB, wxyz(s.q_WB), s.v_WB, s.w_WB, Eigen::VectorXd(s.q),
+                                   Eigen::VectorXd(s.qd));
+           })
+      .def("__setstate__",
+           [](RobotState& s, const std::tuple<double, Vector3, Eigen::Vector4d, Vector3, Vector3,
+                                              Eigen::VectorXd, Eigen::VectorXd>& saved) {
+             const auto& [time, p_WB, q_WB, v_WB, w_WB, q, qd] = saved;
+             new (&s) RobotState;
+             s.time = time;
+             s.p_WB = p_WB;
+             s.q_WB = Quaternion(q_WB[0], q_WB[1], q_WB[2], q_WB[3]);
+             s.v_WB = v_WB;
+             s.w_WB = w_WB;
+             s.q = q;
+             s.qd = qd;
+           })
       .def_rw("time", &RobotState::time, "Simulated seconds since reset.")
       .def_rw("p_WB", &RobotState::p_WB, "Position of the base, m.")
       .def_prop_rw(

@@ -17,7 +17,12 @@ class ConfigError(ValueError):
         self.found = found
 
     def __str__(self) -> str:
-        return f"{self.source}: {self.element}: expected {self.expected}, found {self.found}"
+        return _printable(f"{self.source}: {self.element}: expected {self.expected}, found {self.found}")
+
+
+def _printable(text: str) -> str:
+    """A text without what a terminal would do instead of showing it, as the core's errors are."""
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:

@@ -108,13 +108,17 @@ def as_policy(value: Any, source: str = "policy") -> CorePolicy:
 
 
 def as_policies(value: Any, source: str = "policies") -> list[Any]:
-    """One `PolicyLike` or several, as a list of such. Raises ConfigError for what cannot be iterated over."""
-    if isinstance(value, POLICY_TYPES):
+    """One `PolicyLike` or several, as a list of such. Raises ConfigError for others, and for two of one name."""
+    if isinstance(value, POLICY_TYPES) or not isinstance(value, Iterable):
+        as_policy(value, source)  # says what is wrong with it
         return [value]
-    if isinstance(value, Iterable):
-        return list(value)
-    as_policy(value, source)  # says what is wrong with it
-    return [value]
+    policies = list(value)
+    names = [os.fspath(p) if isinstance(p, (str, os.PathLike)) else getattr(p, "name", None) for p in policies]
+    for name in names:
+        if name is not None and names.count(name) > 1:
+            expected = "policies of different names, by which results tell them apart (FunctionPolicy(make, name))"
+            raise ConfigError(source, "policies", expected, f"'{name}' twice")
+    return policies
 
 
 def environment_for(environment: Any, *policies: Any, source: str = "environment") -> EnvironmentConfig:
@@ -162,6 +166,14 @@ def as_engine(value: Any, source: str = "engine") -> str:
     if isinstance(value, str):
         return value
     raise ConfigError(source, "engine", f"one of {', '.join(_core.available_engines())}", repr(value))
+
+
+def engine_called(name: str) -> Engine:
+    """An engine by its name, as pickles have it. Raises ConfigError for one that is not known here."""
+    for engine in _core.engines():
+        if engine.name == name:
+            return engine
+    raise ConfigError("engines", "engine", f"one of {', '.join(e.name for e in _core.engines())}", name)
 
 
 def as_engines(value: Any, source: str = "engines") -> list[str]:

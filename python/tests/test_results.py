@@ -85,7 +85,10 @@ def test_one_quantity_has_one_name_everywhere() -> None:
     walked = set(crossgait.walk("trot", seconds=0.2).to_frame().columns)
     rolled = set(crossgait.rollout("zero", SHORT, episodes=1).to_frame().columns)
     judged = {row["key"] for row in crossgait.verdict("trot", seconds=0.2, starts=4).pairs[0]["statistics"]}
-    assert {"distance_m", "mean_speed_mps", "slip_m", "cost_of_transport"} <= walked & rolled
+    moved = crossgait.transfer("zero", SHORT, terrains="flat", engines="mujoco", episodes=1).to_frame()
+    assert {"distance_m", "mean_speed_mps", "slip_m", "cost_of_transport"} <= walked & rolled & set(moved.columns)
+    assert moved["mean_speed_mps"].mean() == moved["baseline.mean_speed_mps"].mean()
+    assert not any(isinstance(cell, dict) for cell in moved.iloc[0])
     assert judged - {"failures"} <= {name.partition(".")[0] for name in walked}
 
 

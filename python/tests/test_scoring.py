@@ -43,7 +43,7 @@ def test_scores_of_policies_in_memory_and_by_name() -> None:
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"starts": 1}, r"score: starts: expected a whole number, 2 or more, found 1"),
+        ({"starts": 1}, r"score: starts: expected 2 to 10000, found 1"),
         ({"seconds": 1}, r"score: seconds: expected 1\.5 to 1000 s, found 1"),
         ({"trained_in": {"other": "mujoco"}}, r"trained_in: expected names of policies: serial_joints, found 'other'"),
         ({"engines": "havok"}, "havok"),

@@ -98,7 +98,8 @@ def test_python_asks_the_core_for_signatures() -> None:
     for name, node in CLASSES.items():
         constructors = [m for m in node.body if isinstance(m, ast.FunctionDef) and m.name == "__init__"]
         if constructors:
-            said = [argument.arg for argument in (*constructors[-1].args.args, *constructors[-1].args.kwonlyargs)]
+            given = constructors[-1].args
+            said = [argument.arg for argument in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
             assert list(inspect.signature(getattr(_core, name)).parameters) == said[1:], name
 
     class Mine(crossgait.Terrain):
@@ -110,14 +111,14 @@ def test_python_asks_the_core_for_signatures() -> None:
 
 def test_keywords_of_environments_are_those_of_their_configuration() -> None:
     said = set(inspect.signature(crossgait.EnvironmentConfig).parameters)
-    assert set(EnvironmentKeys.__annotations__) == said - {"engine", "terrain"}
+    assert set(EnvironmentKeys.__annotations__) == said - {"engine", "terrain", "of"}
     from crossgait.envs import QuadrupedVectorEnv
 
     of_vectors = set(inspect.signature(QuadrupedVectorEnv).parameters)
     # Wrappers set the rest themselves.
     assert set(VectorKeywords.__annotations__) >= of_vectors - {"num_envs", "autoreset_mode", "dtype", "keys"}
     stub = next(m for m in CLASSES["EnvironmentConfig"].body if isinstance(m, ast.FunctionDef) and m.name == "updated")
-    assert {argument.arg for argument in stub.args.kwonlyargs} == said - {"preset", "action"}
+    assert {argument.arg for argument in stub.args.kwonlyargs} == said - {"preset", "action", "of"}
 
 
 @pytest.mark.parametrize(

@@ -201,6 +201,7 @@ def test_what_cannot_carry_terms_says_so(tmp_path: Any) -> None:
         (lambda env: np.full(env.num_envs, np.nan), "nan in environment 0"),
         (lambda env: env.foot_forces, "shape (2, 4, 3)"),
         (lambda env: 1.0, "shape ()"),
+        (lambda env: None, "None: is a return missing?"),
     ],
 )
 def test_a_term_that_is_wrong_is_named(function: Any, found: str) -> None:

@@ -155,7 +155,11 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
 
     def set_command(self, vx: npt.ArrayLike, vy: npt.ArrayLike = 0, yaw_rate: npt.ArrayLike = 0) -> None:
         """Ask for other velocities to the end of each episode, m/s and rad/s: one for all or one each."""
-        columns = [np.broadcast_to(np.asarray(v, np.float64), (self.num_envs,)) for v in (vx, vy, yaw_rate)]
+        try:
+            columns = [np.broadcast_to(np.asarray(v, np.float64), (self.num_envs,)) for v in (vx, vy, yaw_rate)]
+        except (TypeError, ValueError):
+            expected = f"vx, vy and yaw_rate, each a number or {self.num_envs} of them"
+            raise ConfigError("environment", "command", expected, repr((vx, vy, yaw_rate))) from None
         for i, command in enumerate(zip(*columns, strict=True)):
             self.core.environment(i).set_command(*map(float, command))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import io
 import warnings
+import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -37,12 +38,25 @@ class TorchNetwork:
     run: Callable[[FloatArray], FloatArray]
 
 
+def _is_checkpoint(file: io.BytesIO) -> bool:
+    """Whether it is a zip of PyTorch's without code."""
+    if not zipfile.is_zipfile(file):
+        return False
+    with zipfile.ZipFile(file) as archive:
+        names = archive.namelist()
+    file.seek(0)
+    return any(name.endswith("data.pkl") for name in names) and not any("/code/" in name for name in names)
+
+
 def load_script(file: str | io.BytesIO) -> torch.nn.Module:
     """A TorchScript file. Raises ConfigError, also without consent to what it runs."""
     source = str(file)
     if isinstance(file, str):
         require_consent(file, "PyTorch's interpreter runs TorchScript")
         file = io.BytesIO(read_bytes(file, CHECKPOINT_BYTES))
+        if _is_checkpoint(file):
+            expected = "TorchScript, as torch.jit.save writes it; checkpoints are read by crossgait.import_policy"
+            raise ConfigError(source, "file", expected, "weights alone, as torch.save writes them")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of TorchScript as such
@@ -68,6 +82,8 @@ def read(
         ConfigError: naming the layer that no bundle can express
 
     """
+    if not isinstance(module, torch.nn.Module):
+        raise ConfigError(source, "module", "an nn.Module, or the file of a TorchScript module", source)
     module = _for_evaluation(module)
     dtypes = {p.dtype for p in [*module.parameters(), *module.buffers()] if p.dtype.is_floating_point}
     half = bool(dtypes & {torch.float16, torch.bfloat16})

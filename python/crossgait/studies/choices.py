@@ -71,6 +71,10 @@ def subject_of(subject: Any, environment: Any, said: Mapping[str, Any], study: s
 
     """
     options = {key: said[key] for key in (*WALK_KEYWORDS, "speed") if said.get(key) is not None}
+    if "command" in options:
+        options["command"] = _velocity(options["command"], study)
+    if isinstance(options.get("contact"), Mapping):
+        options["contact"] = _contact_text(options["contact"])
     if _is_policy(subject, environment):
         config = environment_for(environment, subject, source=study)
         return PolicyWalk(as_policy(subject, study), _with_options(config, _with_command(options, study), study))
@@ -84,6 +88,26 @@ def subject_of(subject: Any, environment: Any, said: Mapping[str, Any], study: s
     if options:
         raise TypeError(f"a {type(subject).__name__} says itself what {', '.join(options)} are")
     return subject
+
+
+def _velocity(command: Any, study: str) -> tuple[float, float, float]:
+    """Three numbers, or a mapping as environments have it, in which what is not said is 0."""
+    names = ("vx", "vy", "yaw_rate")
+    try:
+        if isinstance(command, Mapping) and set(command) <= set(names):
+            vx, vy, yaw_rate = (float(command.get(name, 0.0)) for name in names)
+        else:
+            vx, vy, yaw_rate = map(float, command)
+    except (TypeError, ValueError):
+        expected = "forward m/s, left m/s, yaw rate rad/s: three numbers, or a mapping of vx, vy, yaw_rate"
+        raise ConfigError(study, "command", expected, repr(command)) from None
+    return vx, vy, yaw_rate
+
+
+def _contact_text(settings: Mapping[str, Any]) -> str:
+    """Settings of contact as an environment has them, as `Walk` takes them: impratio=100,solref=0.01:1."""
+    texts = {k: ":".join(map(str, v)) if isinstance(v, (list, tuple)) else str(v) for k, v in settings.items()}
+    return ",".join(f"{name}={text}" for name, text in texts.items())
 
 
 def _with_command(options: Mapping[str, Any], study: str) -> Mapping[str, Any]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from crossgait import _core
+from crossgait.arguments import checking_arguments
 from crossgait.errors import ConfigError
 from crossgait.inputs import (
     EngineLike,
@@ -21,11 +22,10 @@ from crossgait.inputs import (
 )
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, worker_count
-from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import Diagnosis
 
 
-@suggesting
+@checking_arguments
 def diagnose(
     policy: PolicyLike,
     environment: EnvironmentLike | None = None,

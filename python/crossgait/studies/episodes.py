@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 
 from crossgait import _core
+from crossgait.arguments import checking_arguments
 from crossgait.inputs import (
     EnginesLike,
     EnvironmentLike,
@@ -21,12 +22,11 @@ from crossgait.inputs import (
 )
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, all_engines, worker_count
-from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import CourseResult, Rollout, Transfer, Tuning
 from crossgait.studies.walks import traces_of
 
 
-@suggesting
+@checking_arguments
 def rollout(
     policies: PolicyLike | Sequence[PolicyLike] = "zero",
     environment: EnvironmentLike | None = None,
@@ -58,7 +58,7 @@ def rollout(
     return Rollout(document, text, traces_of(recorded, [run["policy"] for run in document["policies"]]))
 
 
-@suggesting
+@checking_arguments
 def transfer(
     policy: PolicyLike,
     environment: EnvironmentLike | None = None,
@@ -93,7 +93,7 @@ def transfer(
     return Transfer(document, text)
 
 
-@suggesting
+@checking_arguments
 def course(
     policy: PolicyLike = "zero",
     environment: EnvironmentLike | None = None,
@@ -130,7 +130,7 @@ def course(
     return CourseResult(document, text)
 
 
-@suggesting
+@checking_arguments
 def tune(
     environment: EnvironmentLike | None = None,
     *,

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from crossgait import _core
 from crossgait._core import StartRanges, Walk
+from crossgait.arguments import checking_arguments
 from crossgait.inputs import EnginesLike, EnvironmentLike, RobotLike, TerrainLike, as_engines
 from crossgait.progress import Progress
 from crossgait.studies.choices import (
@@ -18,7 +20,6 @@ from crossgait.studies.choices import (
     subject_of,
     worker_count,
 )
-from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import Verdict
 
 
@@ -38,7 +39,7 @@ def _setup_text(against: str | Mapping[str, str | float | Sequence[float]] | Non
     return ",".join(f"{name}={value_text(value)}" for name, value in against.items())
 
 
-@suggesting
+@checking_arguments
 def verdict(
     subject: Subject = "trot",
     *,
@@ -55,13 +56,13 @@ def verdict(
     workers: int | None = None,
     runs: str | os.PathLike[str] = "",
     progress: Progress | bool | None = None,
-    command: Sequence[float] | None = None,
+    command: Sequence[float] | Mapping[str, float] | None = None,
     speed: float | None = None,
     parameters: Mapping[str, float | str] | None = None,
     robot: RobotLike | None = None,
     terrain: TerrainLike | None = None,
     friction: float | None = None,
-    contact: str | None = None,
+    contact: str | Mapping[str, Any] | None = None,
     seconds: float | None = None,
     physics_dt: float | None = None,
     control_dt: float | None = None,

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from crossgait import _core
+from crossgait.arguments import checking_arguments
 from crossgait.inputs import EngineLike, EnginesLike, as_engine, as_names
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, all_engines
-from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import Bench, Conformance
 
 
-@suggesting
+@checking_arguments
 def bench(
     *,
     engines: EnginesLike | None = None,
@@ -27,7 +27,7 @@ def bench(
     return Bench(document, text)
 
 
-@suggesting
+@checking_arguments
 def conformance(
     engine: EngineLike, *, only: str | Sequence[str] = (), progress: Progress | bool | None = None
 ) -> Conformance:

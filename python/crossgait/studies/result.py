@@ -5,12 +5,13 @@ from __future__ import annotations
 import html
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from crossgait.errors import ConfigError
 from crossgait.extras import needed_for
-from crossgait.files import check_outputs, written_whole
+from crossgait.files import Named, check_outputs, written_whole
 from crossgait.traces import Trace
 
 if TYPE_CHECKING:
@@ -35,10 +36,20 @@ class Result:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the document as JSON, whole or not at all. Raises ConfigError for a file that it is a result of."""
         files = self.document.get("provenance", {}).get("files", {})
-        check_outputs([("path", path)], [("what was read", file) for file in files])
+        check_outputs([("path", path)], [*(("what was read", file) for file in files), *self._inputs])
         with written_whole(path) as beside, open(beside, "w") as file:
             json.dump(self.document, file, indent=2)
             file.write("\n")
+
+    def note_inputs(self, files: Sequence[Named]) -> None:
+        """Remember which files it was made of: it, and traces of it, are not written over them."""
+        object.__setattr__(self, "_inputs", tuple(files))
+        recorded = getattr(self, "recorded", None)
+        for trace in recorded.values() if isinstance(recorded, dict) else [recorded]:
+            if trace is not None:
+                trace.inputs = tuple(files)
+
+    _inputs: ClassVar[tuple[Named, ...]] = ()
 
     def to_frame(self) -> pd.DataFrame:
         """Return the result's main table: columns are keys of the document, indices what tells its rows apart."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from crossgait.errors import ConfigError
+from crossgait.errors import ConfigError, nearest
 from crossgait.studies.result import Answer, Json, Result, asked_for, flat
 from crossgait.studies.walk_numbers import WalkNumbers
 from crossgait.traces import Trace
@@ -31,9 +31,13 @@ class WalkResult(Answer, WalkNumbers):
         return asked_for(self.recorded, "walk")
 
     def __getattr__(self, name: str) -> Any:
-        if not name.startswith("_") and name in self.document:
+        if name.startswith("_") or name == "document":  # of a copy that is not yet there
+            raise AttributeError(name)
+        if name in self.document:
             return self.document[name]
-        raise AttributeError(name)
+        near = nearest(name, dir(self))
+        hint = f": did you mean '{near}'?" if near else ", which the document has not either (to_dict)"
+        raise AttributeError(f"a {type(self).__name__} has no '{name}'{hint}")
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.document]
@@ -128,7 +132,9 @@ class Verdict(Answer):
             if row["key"] == key:
                 statistic: Json = row
                 return statistic
-        raise KeyError(key)
+        known = [row["key"] for row in pair["statistics"]]
+        near = nearest(key, known)
+        raise KeyError(f"no statistic '{key}': " + (f"did you mean '{near}'?" if near else ", ".join(known)))
 
     @property
     def causes(self) -> dict[str, str]:
@@ -206,9 +212,15 @@ class Rollout(Answer):
         ]
 
 
+def _of_episodes(summary: Json) -> Json:
+    """Means over episodes under their names, as of one episode, and their deviations: `distance_m.deviation`."""
+    row = flat(summary)
+    return {key.removesuffix(".mean"): value for key, value in row.items()}
+
+
 @dataclass(frozen=True, repr=False)
 class Transfer(Result):
-    """One policy, and none, over engines and grounds."""
+    """One policy, and none (`baseline`), over engines and grounds."""
 
     _index = ("terrain", "engine")
 
@@ -219,7 +231,12 @@ class Transfer(Result):
         return plots.plot_transfer(self.document)
 
     def _rows(self) -> list[Json]:
-        return [flat(cell) for cell in self.document["cells"]]
+        return [
+            {"terrain": cell["terrain"], "engine": cell["engine"]}
+            | _of_episodes(cell["policy"])
+            | {f"baseline.{key}": value for key, value in _of_episodes(cell["baseline"]).items()}
+            for cell in self.document["cells"]
+        ]
 
     def _headline(self) -> str:
         engines = dict.fromkeys(cell["engine"] for cell in self.document["cells"])

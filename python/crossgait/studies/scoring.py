@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from crossgait import _core
+from crossgait.arguments import checking_arguments
 from crossgait.errors import ConfigError
 from crossgait.importing.checkpoint import as_policy_file, is_checkpoint
 from crossgait.inputs import (
@@ -23,14 +24,16 @@ from crossgait.inputs import (
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, all_engines, worker_count
 from crossgait.studies.diagnosing import file_of
-from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import Matrix, Scores
 
 #: The engine of all policies, or of each by its name in tables.
 HomesLike = EngineLike | Mapping[str, EngineLike]
 
 
-@suggesting
+_MOST_STARTS = 1_000
+
+
+@checking_arguments
 def score(
     policies: PolicyLike | Sequence[PolicyLike],
     environment: EnvironmentLike | None = None,
@@ -68,7 +71,7 @@ def score(
     return Scores(*_scored("score", False, *given))
 
 
-@suggesting
+@checking_arguments
 def matrix(
     policies: PolicyLike | Sequence[PolicyLike],
     environment: EnvironmentLike | None = None,
@@ -101,8 +104,8 @@ def _scored(
     workers: int | None,
     progress: Any,
 ) -> tuple[Any, str]:
-    if not isinstance(starts, int) or starts < 2:
-        raise ConfigError(study, "starts", "a whole number, 2 or more", repr(starts))
+    if starts > _MOST_STARTS:
+        raise ConfigError(study, "starts", f"2 to {_MOST_STARTS}", str(starts))
     if not 1.5 <= seconds <= 1000:
         raise ConfigError(study, "seconds", "1.5 to 1000 s", repr(seconds))
     chosen = as_policies(policies, study)

@@ -6,16 +6,16 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from crossgait import _core
+from crossgait.arguments import checking_arguments
 from crossgait.errors import ConfigError
 from crossgait.inputs import EngineLike, EnginesLike, EnvironmentLike, RobotLike, TerrainLike, as_engine
 from crossgait.progress import Progress
 from crossgait.studies.choices import PolicyWalk, ProgressShown, Subject, all_engines, default_engine, subject_of
-from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import CompareResult, WalkResult
 from crossgait.traces import Trace
 
 
-@suggesting
+@checking_arguments
 def walk(
     subject: Subject = "trot",
     *,
@@ -23,14 +23,14 @@ def walk(
     environment: EnvironmentLike | None = None,
     trace: bool = False,
     progress: Progress | bool | None = None,
-    command: Sequence[float] | None = None,
+    command: Sequence[float] | Mapping[str, float] | None = None,
     speed: float | None = None,
     parameters: Mapping[str, float | str] | None = None,
     robot: RobotLike | None = None,
     terrain: TerrainLike | None = None,
     seed: int | None = None,
     friction: float | None = None,
-    contact: str | None = None,
+    contact: str | Mapping[str, Any] | None = None,
     seconds: float | None = None,
     physics_dt: float | None = None,
     control_dt: float | None = None,
@@ -80,7 +80,7 @@ def walk(
     return WalkResult(document, text, traces_of(recorded, [name]).get(name))
 
 
-@suggesting
+@checking_arguments
 def compare(
     subject: Subject = "trot",
     *,
@@ -91,14 +91,14 @@ def compare(
     joint_tolerance: float = 1e-2,
     attitude_tolerance: float = 1e-2,
     progress: Progress | bool | None = None,
-    command: Sequence[float] | None = None,
+    command: Sequence[float] | Mapping[str, float] | None = None,
     speed: float | None = None,
     parameters: Mapping[str, float | str] | None = None,
     robot: RobotLike | None = None,
     terrain: TerrainLike | None = None,
     seed: int | None = None,
     friction: float | None = None,
-    contact: str | None = None,
+    contact: str | Mapping[str, Any] | None = None,
     seconds: float | None = None,
     physics_dt: float | None = None,
     control_dt: float | None = None,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from numbers import Real
 from typing import Any
 
 from crossgait._core import reward_terms
@@ -102,6 +104,9 @@ class Terms:
 
     def __post_init__(self) -> None:
         """Check all of it."""
+        if not isinstance(self.observations, Mapping):
+            found = type(self.observations).__name__
+            raise ConfigError("terms", "observations", f"a mapping of {' and '.join(GROUPS)}", found)
         for group in self.observations:
             if group not in GROUPS:
                 raise ConfigError("terms", "observations", f"groups of {', '.join(GROUPS)}", str(group))
@@ -113,8 +118,6 @@ class Terms:
         for name in self.rewards:
             if name in reward_terms():
                 raise ConfigError("terms", f"rewards.{name}", "a name that is none of the table's", "one of them")
-        for name, event in self.events.items():
-            _check_event(name, event)
 
     @property
     def placed(self) -> list[tuple[str, Any]]:
@@ -137,17 +140,41 @@ class Terms:
 
 
 def _check(place: str, terms: Mapping[str, Any], kind: type) -> None:
+    if not isinstance(terms, Mapping):
+        raise ConfigError("terms", place, f"a mapping of names to {kind.__name__}", type(terms).__name__)
     for name, term in terms.items():
         if not isinstance(term, kind):
             raise ConfigError("terms", f"{place}.{name}", f"a {kind.__name__}", type(term).__name__)
         function = getattr(term, "function", None)
         if not callable(function):
             raise ConfigError("terms", f"{place}.{name}", "a function", repr(function))
+        for key in ("weight", "scale", "noise", "clip"):
+            if not isinstance(getattr(term, key, 0.0), Real):
+                raise ConfigError("terms", f"{place}.{name}.{key}", "a number", repr(getattr(term, key)))
         for key in ("weight", "scale", "noise"):
             if not math.isfinite(getattr(term, key, 0.0)):
                 raise ConfigError("terms", f"{place}.{name}", f"a finite {key}", repr(getattr(term, key)))
         if getattr(term, "noise", 0.0) < 0 or not getattr(term, "clip", 1.0) > 0:
             raise ConfigError("terms", f"{place}.{name}", "noise >= 0 and clip > 0", repr(term))
+        if isinstance(term, EventTerm):
+            _check_event(name, term)
+        _check_params(f"{place}.{name}", term)
+
+
+def _check_params(place: str, term: Any) -> None:
+    """Whether the function takes what it will be given, as far as it says what it takes."""
+    if not isinstance(term.params, Mapping):
+        raise ConfigError("terms", f"{place}.params", "a mapping of keywords", type(term.params).__name__)
+    try:
+        signature = inspect.signature(term.function)
+    except (TypeError, ValueError):  # of a function that does not say
+        return
+    given = ("env", "indices") if isinstance(term, (EventTerm, CurriculumTerm)) else ("env",)
+    try:
+        signature.bind(*given, **term.params)
+    except TypeError as error:
+        expected = f"what {function_name(term.function)}{signature} takes beside {' and '.join(given)}"
+        raise ConfigError("terms", f"{place}.params", expected, str(error)) from None
 
 
 def _check_event(name: str, event: EventTerm) -> None:
@@ -156,8 +183,14 @@ def _check_event(name: str, event: EventTerm) -> None:
         raise ConfigError("terms", f"{place}.mode", ", ".join(MODES), repr(event.mode))
     if (event.mode == "interval") != (event.interval is not None):
         raise ConfigError("terms", f"{place}.interval", "(min, max) s, of mode interval alone", repr(event.interval))
+    if event.interval is not None and not _is_pair(event.interval):
+        raise ConfigError("terms", f"{place}.interval", "(min, max), s", repr(event.interval))
     if event.interval is not None and not 0 < event.interval[0] <= event.interval[1] < math.inf:
         raise ConfigError("terms", f"{place}.interval", "0 < min <= max", repr(event.interval))
+
+
+def _is_pair(value: Any) -> bool:
+    return isinstance(value, Sequence) and len(value) == 2 and all(isinstance(one, Real) for one in value)
 
 
 def function_name(function: Callable[..., Any]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -12,7 +13,7 @@ import numpy.typing as npt
 
 from crossgait._core import Batch
 from crossgait.errors import ConfigError
-from crossgait.terms.declarations import ObservationTerm, Terms
+from crossgait.terms.declarations import GROUPS, ObservationTerm, Terms
 from crossgait.terms.kept import Keepers, has, owner_of, remembers
 
 FloatArray = npt.NDArray[np.float64]
@@ -45,7 +46,7 @@ class RunningTerms:
         self._started = False
         self._intervals = {name: event for name, event in terms.events.items() if event.mode == "interval"}
         self._due = {name: np.zeros(self._count) for name in self._intervals}
-        self._every_step = [event for event in self.terms.events.values() if event.mode == "step"]
+        self._every_step = {name: event for name, event in self.terms.events.items() if event.mode == "step"}
 
     def _own(self, terms: Terms) -> Terms:
         copies: dict[int, Any] = {}  # one object for all terms that are it
@@ -77,7 +78,7 @@ class RunningTerms:
         changed = False
         for name, event in self.terms.events.items():
             if event.mode == "reset" or (event.mode == "startup" and not self._started):
-                event.function(self.env, indices, **event.params)
+                _call(f"events.{name}", event, self.env, indices)
                 changed = True
             elif event.mode == "interval":
                 self._draw(name, indices)
@@ -91,26 +92,26 @@ class RunningTerms:
     def change(self, going: Flags) -> None:
         """Do the events of mode step, and those of mode interval that are due, where episodes go on."""
         if self._every_step and len(indices := np.flatnonzero(going)):
-            for event in self._every_step:
-                event.function(self.env, indices, **event.params)
+            for name, event in self._every_step.items():
+                _call(f"events.{name}", event, self.env, indices)
         for name, event in self._intervals.items():
             due = self._due[name]
             due -= self.env.step_dt
             indices = np.flatnonzero((due <= 1e-9) & going)  # rounding of sums of time steps
             if len(indices):
-                event.function(self.env, indices, **event.params)
+                _call(f"events.{name}", event, self.env, indices)
                 self._draw(name, indices)
 
     def end(self, indices: Indices) -> None:
         """Episodes of `indices` have ended, and the next are about to begin."""
-        for term in self.terms.curriculum.values():
-            term.function(self.env, indices, **term.params)
+        for name, term in self.terms.curriculum.items():
+            _call(f"curriculum.{name}", term, self.env, indices)
 
     def terminations(self) -> tuple[Flags, Flags]:
         """Return which episodes terms terminate and truncate."""
         ended = np.zeros((2, self._count), np.bool_)
         for name, term in self.terms.terminations.items():
-            value = np.asarray(term.function(self.env, **term.params))
+            value = np.asarray(_returned(f"terminations.{name}", term, self.env))
             if value.dtype != np.bool_ or value.shape != (self._count,):
                 raise _wrong(f"terminations.{name}", f"bool of shape ({self._count},)", value)
             ended[int(term.time_out)] |= value
@@ -120,7 +121,7 @@ class RunningTerms:
         """Return the sum of weight times value, (n,)."""
         total = np.zeros(self._count)
         for name, term in self.terms.rewards.items():
-            value = np.asarray(term.function(self.env, **term.params), np.float64)
+            value = np.asarray(_returned(f"rewards.{name}", term, self.env), np.float64)
             if value.shape != (self._count,):
                 raise _wrong(f"rewards.{name}", f"shape ({self._count},)", value)
             value = term.weight * value
@@ -134,12 +135,14 @@ class RunningTerms:
 
     def observe(self, group: str) -> FloatArray:
         """Return the numbers of a group's terms beside each other, (n, width)."""
+        if group not in GROUPS:
+            raise ConfigError("terms", "group", f"one of {', '.join(GROUPS)}", repr(group))
         terms = self.terms.observations.get(group, {})
         parts = [self._observe(f"observations.{group}.{name}", term) for name, term in terms.items()]
         return np.concatenate(parts, axis=1) if parts else np.zeros((self._count, 0))
 
     def _observe(self, place: str, term: ObservationTerm) -> FloatArray:
-        value = np.asarray(term.function(self.env, **term.params), np.float64)
+        value = np.asarray(_returned(place, term, self.env), np.float64)
         if value.ndim == 1:
             value = value[:, None]
         if value.ndim != 2 or value.shape[0] != self._count:
@@ -222,6 +225,23 @@ class EpisodeTerms:
     def restore(self, saved: Any) -> None:
         """As `RunningTerms.restore`."""
         self.running.restore(saved)
+
+
+def _call(place: str, term: Any, *arguments: Any) -> Any:
+    """What a term's function returns; an error of its own says which term it is of, where Python's errors can."""
+    try:
+        return term.function(*arguments, **term.params)
+    except Exception as error:
+        if sys.version_info >= (3, 11):
+            error.add_note(f"in the term {place}")
+        raise
+
+
+def _returned(place: str, term: Any, env: Batch) -> Any:
+    value = _call(place, term, env)
+    if value is None:
+        raise ConfigError("terms", place, "an array, a number for each environment", "None: is a return missing?")
+    return value
 
 
 def _wrong(place: str, expected: str, value: npt.NDArray[Any]) -> ConfigError:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from crossgait import _core
 from crossgait.errors import ConfigError
 from crossgait.extras import needed_for
-from crossgait.files import written_whole
+from crossgait.files import Named, check_outputs, written_whole
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,6 +31,7 @@ class TraceTable:
         self.names = names
         self.values = values
         self.name = name  #: of the engine
+        self.inputs: tuple[Named, ...] = ()  #: files that it was made of, which it is not written over
         self._index = {column: i for i, column in enumerate(names)}
 
     def __len__(self) -> int:
@@ -75,6 +76,7 @@ class TraceTable:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write what `crossgait report` reads. The file appears whole or not at all."""
+        check_outputs([("path", path)], self.inputs)
         with written_whole(path) as beside, open(beside, "w") as file:
             file.write(",".join(self.names) + "\n")
             for row in self.values:
@@ -84,7 +86,9 @@ class TraceTable:
     def read_csv(cls, path: str | os.PathLike[str]) -> Self:
         """Read what `crossgait walk --trace` wrote, at most 64 MiB (docs/hostile-input.md). Raises ConfigError."""
         names, values = _core._read_trace(os.fspath(path))
-        return cls(names, values, name=Path(path).stem)
+        trace = cls(names, values, name=Path(path).stem)
+        trace.inputs = (("the trace", path),)
+        return trace
 
     def __repr__(self) -> str:
         seconds = self.time[-1] - self.time[0] if len(self) else 0.0

@@ -5,15 +5,23 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 
-from crossgait._core import Terrain
+from crossgait._core import Robot, Terrain
+from crossgait.files import check_outputs, noting_reads
 from crossgait.inputs import RobotLike, TerrainLike, as_terrain
 from crossgait.progress import Progress
 from crossgait.traces import scene
 from crossgait.traces.table import TraceTable
 
 
-def _ground(terrain: TerrainLike | None) -> Terrain | None:
-    return None if terrain is None else as_terrain(terrain)
+def _world(
+    trace: TraceTable, path: str | os.PathLike[str], robot: RobotLike, terrain: TerrainLike | None
+) -> tuple[Robot, Terrain | None]:
+    """Robot and ground of a trace, read, and what is written checked to be none of their files."""
+    with noting_reads() as read:
+        known = scene.the_robot(trace, robot)
+        ground = None if terrain is None else as_terrain(terrain)
+    check_outputs([("path", path)], [*trace.inputs, *read])
+    return known, ground
 
 
 class Trace(TraceTable):
@@ -35,7 +43,7 @@ class Trace(TraceTable):
         """
         from crossgait.traces import mcap
 
-        mcap.write(self, path, scene.the_robot(self, robot), _ground(terrain))
+        mcap.write(self, path, *_world(self, path, robot, terrain))
 
     def to_rerun(self, path: str | os.PathLike[str], robot: RobotLike, terrain: TerrainLike | None = None) -> None:
         """Write an .rrd file for Rerun: as `to_mcap`.
@@ -47,7 +55,7 @@ class Trace(TraceTable):
         """
         from crossgait.traces import rerun
 
-        rerun.write(self, path, scene.the_robot(self, robot), _ground(terrain))
+        rerun.write(self, path, *_world(self, path, robot, terrain))
 
     def to_video(
         self,
@@ -91,8 +99,7 @@ class Trace(TraceTable):
         video.write(
             [self],
             path,
-            scene.the_robot(self, robot),
-            _ground(terrain),
+            *_world(self, path, robot, terrain),
             fps=fps,
             slow=slow,
             width=width,

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from crossgait import _core
+from crossgait.arguments import checking_arguments
 from crossgait.commands import exit_code, say
 from crossgait.errors import ConfigError
 from crossgait.files import check_outputs, noting_reads, written_whole
@@ -31,6 +32,7 @@ _EVEN = 2
 _NAME_HEIGHT = 24  # px
 
 
+@checking_arguments
 def write(
     traces: Sequence[TraceTable],
     path: str | os.PathLike[str],
@@ -77,6 +79,9 @@ def write(
 
     """
     film.check(path)
+    for name, value in (("fps", fps), ("slow", slow)):
+        if not (np.isfinite(value) and value > 0):
+            raise ConfigError("film", name, "a number above zero", f"{value:g}")
     for trace in traces:
         if len(trace) == 0:
             raise ConfigError(trace.name or "trace", "rows", "one at least", "none")

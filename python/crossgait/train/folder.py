@@ -69,7 +69,10 @@ def _git() -> dict[str, Any] | None:
 
 
 def _run_git(*arguments: str) -> str:
-    done = subprocess.run(["git", *arguments], capture_output=True, text=True, timeout=20, check=True)
+    # A repository's own configuration may name a program that git runs to see what has changed.
+    done = subprocess.run(
+        ["git", "-c", "core.fsmonitor=false", *arguments], capture_output=True, text=True, timeout=20, check=True
+    )
     return done.stdout.rstrip()
 
 

@@ -42,6 +42,10 @@ def presets() -> list[str]:
 Commands = dict[str, tuple[float, float]]
 
 
+#: What is to be otherwise than in a file: KEY=VALUE, one or several, or values by key.
+Changes = str | Sequence[str] | Mapping[str, Any]
+
+
 @dataclass(frozen=True)
 class Share:
     """What some of the environments of a stage meet."""
@@ -72,19 +76,19 @@ class Plan:
     parts: Mapping[str, Plan] = field(default_factory=dict)  #: of a hierarchical policy, in order; of one policy none
 
     @staticmethod
-    def load(path: str | os.PathLike[str], changes: Sequence[str] = ()) -> Plan:
-        """Read a file; `changes` are KEY=VALUE, in its place. Raises ConfigError."""
+    def load(path: str | os.PathLike[str], changes: Changes = ()) -> Plan:
+        """Read a file; `changes` are KEY=VALUE, one or several, or a mapping, in its place. Raises ConfigError."""
         return Plan.parse(read_yaml(path), os.fspath(path), Path(path).parent, changes)
 
     @staticmethod
-    def preset(name: str, changes: Sequence[str] = ()) -> Plan:
-        """One that the package brings. Raises ConfigError."""
+    def preset(name: str, changes: Changes = ()) -> Plan:
+        """One that the package brings; `changes` as `load`. Raises ConfigError."""
         if name not in presets():
             raise ConfigError("train", "preset", f"one of {', '.join(presets())}", name)
         return Plan.load(_PRESETS / f"{name}.yaml", changes)
 
     @staticmethod
-    def parse(given: Any, source: str, folder: Path | None = None, changes: Sequence[str] = ()) -> Plan:
+    def parse(given: Any, source: str = "plan", folder: Path | None = None, changes: Changes = ()) -> Plan:
         """Of what a file holds; files that it names are found from `folder`. Raises ConfigError."""
         given = {} if given is None else given
         if not isinstance(given, dict):
@@ -93,7 +97,7 @@ class Plan:
         if "terms" in given:
             expected = "none: they are functions of the program that trained, which begins with Plan.with_terms"
             raise ConfigError(source, "terms", expected, shown(given["terms"]))
-        for change in changes:
+        for change in _written(changes):
             _apply_change(given, change)
         document = filled(source, given, TABLE)
         if not isinstance(document["engines"], dict):  # names alone: equal shares
@@ -229,6 +233,13 @@ def _apply_change(document: Json, change: str) -> None:
         if not isinstance(at, dict):
             raise ConfigError("--set", path, f"a mapping at {key}", shown(at))
     at[last] = parse_yaml(text, f"--set {path}")
+
+
+def _written(changes: Changes) -> Sequence[str]:
+    """Return changes as commands have them."""
+    if isinstance(changes, Mapping):
+        return [f"{key}={json.dumps(value)}" for key, value in changes.items()]
+    return [changes] if isinstance(changes, str) else changes
 
 
 def _base_environment(source: str, document: Json, folder: Path) -> EnvironmentConfig:

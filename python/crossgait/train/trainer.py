@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import dataclass
 from functools import partial
@@ -68,7 +69,7 @@ class Trainer:
     def __init__(
         self,
         plan: Plan,
-        folder: Path,
+        folder: str | os.PathLike[str],
         *,
         resume: bool,
         progress: bool | None = None,
@@ -85,6 +86,7 @@ class Trainer:
             ConfigError: for what cannot be made, or workers without a `block`.
 
         """
+        folder = Path(folder)
         self.plan, self.folder, self._title = plan, folder, title
         self.learner = learner or WholePolicy(plan)
         torch.set_num_threads(plan["threads"])

@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from crossgait import _core
+from crossgait.arguments import checking_arguments
 from crossgait.errors import ConfigError
 from crossgait.inputs import RobotLike, TerrainLike, as_robot, as_terrain
 from crossgait.viewing.mujoco_scene import Frame, has_display, mujoco, reach_of, scene_of
@@ -34,6 +35,7 @@ _FRAME_TIME = 1 / 60
 class Renderer:
     """Draws one robot on one ground. Not for two threads at once; `close` it, or use it as a context manager."""
 
+    @checking_arguments
     def __init__(
         self,
         robot: RobotLike,
@@ -64,6 +66,8 @@ class Renderer:
 
         """
         self.robot, self.terrain = as_robot(robot), as_terrain("flat" if terrain is None else terrain)
+        if min(width, height) < 1:
+            raise ConfigError("frame", "width, height", "pixels, at least 1", f"{width} x {height}")
         self._size = (width, height)
         self._model = scene_of(self.robot, self.terrain, width, height)
         self._data = mujoco.MjData(self._model)
@@ -76,6 +80,9 @@ class Renderer:
         self._window: Any = None
         self._shown = -1.0  # time of the state that the window shows, s
         self._started = 0.0  # on the clock, when the episode that it shows began, s
+
+    def __repr__(self) -> str:
+        return f"<crossgait.Renderer of '{self.robot.name}', {self._size[0]} x {self._size[1]}>"
 
     def frame(self, state: _core.State, look_at: Sequence[float] | None = None, wider: float = 0) -> Frame:
         """Draw the robot in `state`: height x width x 3.

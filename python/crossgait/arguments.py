@@ -1,0 +1,62 @@
+"""Errors of arguments that a function does not take: keywords that it has not, values of another type."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, ParamSpec, TypeVar
+
+from crossgait.errors import ConfigError
+from crossgait.files import noting_reads
+from crossgait.signatures import check_types, refuse
+
+#: The least and the most of numbers that say how much is to be done, as the commands have them (docs/limits.md).
+BOUNDS = {
+    "episodes": (1, 1_000_000),
+    "starts": (2, 10_000),
+    "iterations": (1, 10_000),
+    "population": (4, 100_000),
+    "terrains": (1, 1_000),
+    "unseen": (0, 1_000),
+}
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def _check_numbers(name: str, given: Mapping[str, Any]) -> None:
+    for key, value in given.items():
+        if isinstance(value, float) and math.isnan(value):
+            raise ConfigError(name, key, "a number", "nan")
+        if key in BOUNDS and isinstance(value, int):
+            least, most = BOUNDS[key]
+            if not least <= value <= most:
+                raise ConfigError(name, key, f"{least} to {most}", str(value))
+
+
+def checking_arguments(study: Callable[P, R]) -> Callable[P, R]:
+    """Return the function, whose TypeErrors name the nearest keyword that it has, or what an argument should be.
+
+    What it returns is told which files were read for it, which nothing of it may replace.
+    """
+    signature = inspect.signature(study)
+    known = signature.parameters
+    name = study.__qualname__.removesuffix(".__init__")
+
+    @functools.wraps(study)
+    def call(*arguments: P.args, **keywords: P.kwargs) -> R:
+        for key in keywords:
+            if key not in known:
+                refuse(name, [key], known)
+        given = signature.bind(*arguments, **keywords).arguments
+        check_types(name, given, known)
+        _check_numbers(name, given)
+        with noting_reads() as read:
+            result = study(*arguments, **keywords)
+        if hasattr(result, "note_inputs"):
+            result.note_inputs(read)
+        return result
+
+    return call

@@ -1,0 +1,244 @@
+"""Arguments that do not fit: which of them, what was expected, what was found, in words of Python."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import crossgait
+from crossgait import ConfigError, EnvironmentConfig, FunctionPolicy, State, Walk, _core, terms
+from crossgait.policies import MlpNetwork
+
+NANOBIND = "incompatible function arguments"
+
+
+def world() -> Any:
+    return crossgait.World("scara_quadruped")
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: crossgait.walk("trot", seconds="1"), r"walk\(\): seconds: expected float \| None, found str '1'"),
+        (lambda: crossgait.walk("trot", seed=1.5), r"walk\(\): seed: expected int \| None, found float 1\.5"),
+        (lambda: crossgait.walk("trot", heading_hold="yes"), r"heading_hold: expected bool \| None, found str 'yes'"),
+        (lambda: crossgait.walk("trot", terminations="fell"), r"terminations: expected Sequence\[str\] .*found str"),
+        (lambda: crossgait.verdict("trot", starts="6"), r"verdict\(\): starts: expected int, found str '6'"),
+        (
+            lambda: crossgait.bench(sections=[3]),
+            r"bench\(\): sections: expected str \| Sequence\[str\], found list \[3\]",
+        ),
+        (lambda: crossgait.rollout("zero", episodes=1.5), r"rollout\(\): episodes: expected int, found float 1\.5"),
+        (lambda: Walk(seed=-1), r"Walk\(\): seed: expected a number that is not negative, found int -1"),
+        (
+            lambda: Walk(command=(1, 2)),
+            r"Walk\(\): command: expected .* of another length or shape, found tuple \(1, 2\)",
+        ),
+        (lambda: Walk("trot", "rough"), r"Walk\(\): expected at most 1 arguments without their names, found 2"),
+        (lambda: crossgait.World(), r"World\(\): robot: expected Robot \| str \| PathLike\[str\], found nothing"),
+        (lambda: crossgait.World("go2", frction=0.5), r"World\(\) has no keyword 'frction': did you mean 'friction'\?"),
+        (lambda: crossgait.World("go2", engine=3), r"World\(\): engine: expected str, found int 3"),
+        (lambda: crossgait.StartRanges(x=3), r"StartRanges\(\) has no keyword 'x': it has position_m, heading_rad, .*"),
+        (lambda: crossgait.Controller(lambda: 3, targts="feet"), r"no keyword 'targts': did you mean 'targets'\?"),
+        (lambda: FunctionPolicy(3), r"FunctionPolicy\(\): make: expected Callable\[.*found int 3"),
+        (lambda: crossgait.Robot.load(3), r"load\(\): name_or_file: expected str \| PathLike.*found int 3"),
+        (lambda: world().step(np.zeros(12), "a"), r"step\(\): substeps: expected int, found str 'a'"),
+        (lambda: world().reset(3), r"reset\(\): state: expected State, found int 3"),
+        (lambda: setattr(State(), "time", "x"), r"^expected float, found str 'x'"),
+        (lambda: MlpNetwork(3), r"MlpNetwork\(\): layers: expected Sequence\[.*found int 3"),
+        (lambda: crossgait.available_engines(3), r"available_engines\(\): expected no arguments .*, found 1"),
+    ],
+)
+def test_what_does_not_fit_is_named(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises(TypeError, match=message):
+        call()
+
+
+def callables_of_the_core() -> Iterator[tuple[str, Any]]:
+    for name, member in vars(_core).items():
+        if callable(member):
+            yield name, member
+        if isinstance(member, type):
+            members = {f"{name}.{n}": getattr(member, n) for n in vars(member) if not n.startswith("_")}
+            yield from ((n, one) for n, one in members.items() if callable(one))
+
+
+def test_no_function_of_the_core_answers_with_a_list_of_signatures() -> None:
+    said = {}
+    for name, function in callables_of_the_core():
+        for positional, keywords in (([object()] * 9, {}), ([], {"no_such_keyword": 1})):
+            try:
+                function(*positional, **keywords)
+            except (TypeError, ConfigError, ValueError) as error:
+                said[name] = str(error)
+    assert [name for name, text in said.items() if NANOBIND in text] == []
+    assert len(said) > 100
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: crossgait.walk("trot", command=(1, 2)), r"walk: command: expected forward m/s, .*found \(1, 2\)"),
+        (lambda: crossgait.walk("trot", command={"v": 1}), r"walk: command: .* a mapping of vx, vy, yaw_rate"),
+        (lambda: EnvironmentConfig(polcy_dt=0.02), r"EnvironmentConfig: polcy_dt: expected one of the keys"),
+        (lambda: EnvironmentConfig(engine=3), r"environment: engine: expected a name, found int"),
+        (lambda: world().step("x"), r"array: values: expected numbers, found 'x'"),
+        (
+            lambda: crossgait.rollout(FunctionPolicy(lambda: 3), EnvironmentConfig()),
+            r"a function that returns a function",
+        ),
+        (lambda: MlpNetwork([]), r"network: layers: expected at least one, found none"),
+        (lambda: MlpNetwork([(np.zeros((3, 2)), np.zeros(2))]), r"size of a layer's bias: expected 3, found 2"),
+        (lambda: crossgait.rollout(["zero", "zero"]), r"policies: expected policies of different names.*'zero' twice"),
+        (lambda: crossgait.rollout("net.onnx", EnvironmentConfig()), r"expected .*crossgait import"),
+        (lambda: terms.Terms(rewards=[1]), r"terms: rewards: expected a mapping of names to RewardTerm, found list"),
+        (lambda: terms.Terms(rewards={"a": terms.RewardTerm(3)}), r"rewards\.a: expected a function"),
+        (lambda: terms.Terms(rewards={"a": terms.RewardTerm(len, "x")}), r"rewards\.a\.weight: expected a number"),
+        (lambda: term(lambda env, limit: 0, limt=1), r"rewards\.a\.params: expected what .*limit\).* takes beside env"),
+    ],
+)
+def test_what_cannot_be_meant_is_an_error_of_its_own(
+    call: Callable[[], Any], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("net.onnx").write_bytes(b"")
+    with pytest.raises(ConfigError, match=message):
+        call()
+
+
+def term(function: Callable[..., Any], **params: Any) -> terms.Terms:
+    return terms.Terms(rewards={"a": terms.RewardTerm(function, params=params)})
+
+
+def test_commands_and_contact_are_taken_in_every_form() -> None:
+    expected = crossgait.walk("trot", command=(0.1, 0, 0), contact="impratio=10,solref=0.01:1", seconds=0.2).document
+    given = {"command": {"vx": 0.1}, "contact": {"impratio": 10, "solref": [0.01, 1]}}
+    assert crossgait.walk("trot", seconds=0.2, **given).document["distance_m"] == expected["distance_m"]
+
+
+def test_a_configuration_is_made_of_whatever_stands_for_one(tmp_path: Path) -> None:
+    one = EnvironmentConfig(engine="bullet", friction=0.5)
+    file = tmp_path / "mine.yaml"
+    file.write_text(one.to_yaml())
+    for given in (one, one.to_dict(), file, str(file)):
+        assert EnvironmentConfig(given) == one
+        assert EnvironmentConfig(given, friction=0.7) == one.updated(friction=0.7)
+
+
+def test_a_configuration_with_terms_is_copied_but_not_pickled() -> None:
+    made = crossgait.with_terms(EnvironmentConfig(), term(lambda env: env.time))
+    assert copy.copy(made) == copy.deepcopy(made) == made
+    with pytest.raises(ConfigError, match=r"terms: .*functions of the program"):
+        pickle.dumps(made)
+
+
+def test_states_and_engines_are_pickled() -> None:
+    state = world().state
+    assert np.array_equal(pickle.loads(pickle.dumps(state)).qpos, state.qpos)
+    engine = crossgait.engines()[0]
+    assert pickle.loads(pickle.dumps(engine)).name == engine.name
+
+
+def test_indices_of_a_batch_are_those_of_numpy() -> None:
+    envs = _core.VectorEnvironment(EnvironmentConfig(), 4)
+    envs.reset(1)
+    batch = envs.batch()
+    mask = np.array([True, False, False, True])
+    for indices, which in ((mask, [0, 3]), (-1, [3]), (slice(2), [0, 1]), ((0, 2), [0, 2]), (mask.tolist(), [0, 3])):
+        batch.set_commands([0.0, 0.0, 0.0])
+        batch.set_commands([0.1, 0.0, 0.0], indices)
+        assert np.flatnonzero(batch.commands[:, 0]).tolist() == which
+    for wrong in (4, "x", [0.5], np.ones(3, bool)):
+        with pytest.raises(ConfigError, match=r"indices: expected numbers from 0 to 3, a slice, or a mask of 4"):
+            batch.set_commands([0.1, 0.0, 0.0], wrong)
+
+
+PROGRAMS = {
+    "a controller": "import crossgait\nC = crossgait.Controller(lambda: (lambda s: s.q))",
+    "an environment with terms": """
+import crossgait.envs, gymnasium
+from crossgait import terms
+mine = terms.Terms(rewards={"b": terms.RewardTerm(lambda env: env.time)})
+env = gymnasium.make("Crossgait/JointControl-v0", terms=mine)
+env.reset(seed=0)
+def f(): return env
+""",
+}
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_what_a_module_keeps_ends_with_the_process(program: str) -> None:
+    done = subprocess.run([sys.executable, "-c", PROGRAMS[program]], capture_output=True, text=True, check=False)
+    assert (done.returncode, re.findall("leaked|terminate", done.stderr)) == (0, []), done.stderr
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: crossgait.rollout("zero", episodes=10**9),
+            r"rollout: episodes: expected 1 to 1000000, found 1000000000",
+        ),
+        (lambda: crossgait.tune(population=10**9), r"tune: population: expected 4 to 100000"),
+        (lambda: crossgait.score("serial_joints", starts=10**4), r"score: starts: expected 2 to 1000"),
+        (
+            lambda: crossgait.compare("trot", position_tolerance=float("nan")),
+            r"position_tolerance: .*a number, found nan",
+        ),
+        (lambda: crossgait.StartRanges(push_mps=float("nan")), r"StartRanges: push_mps: expected 0 to 10, found nan"),
+        (lambda: crossgait.StartRanges(position_m=-1), r"StartRanges: position_m: expected 0 to 100, found -1"),
+    ],
+)
+def test_numbers_have_the_bounds_of_the_commands(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        call()
+
+
+def test_keys_within_themselves_are_refused() -> None:
+    circle: dict[str, Any] = {}
+    circle["reward"] = circle
+    nested: Any = []
+    for _ in range(20_000):
+        nested = [nested]
+    for keys in (circle, {"observation": nested}):
+        with pytest.raises(ConfigError, match=r"keys: expected at most 32 levels"):
+            EnvironmentConfig.from_dict(keys)
+
+
+def test_results_and_traces_are_not_written_over_what_they_are_of(tmp_path: Path) -> None:
+    ground, file = tmp_path / "ground.csv", tmp_path / "mine.yaml"
+    ground.write_text("0,0,0\n0,0,0\n0,0,0\n")
+    file.write_text(f"terrain: '{ground}:size_x=4,size_y=4'\nepisode_seconds: 0.1\n")
+    rolled = crossgait.rollout("zero", file, episodes=1, trace=True)
+    moved = crossgait.transfer("zero", file, engines="mujoco", terrains="flat", episodes=1)
+    trace = rolled.traces["zero"]
+    for write in (rolled.save, moved.save, trace.to_csv):
+        with pytest.raises(ConfigError, match="a file that is not read"):
+            write(file)
+    for write in (rolled.save, trace.to_csv):
+        with pytest.raises(ConfigError, match="a file that is not read"):
+            write(ground)
+    trace.to_csv(tmp_path / "t.csv")
+    again = crossgait.Trace.read_csv(tmp_path / "t.csv")
+    with pytest.raises(ConfigError, match="a file that is not read"):
+        again.to_csv(tmp_path / "t.csv")
+    rolled.save(tmp_path / "r.json")
+    rolled.save(tmp_path / "r.json")
+
+
+def test_a_file_that_is_replaced_keeps_who_may_read_it(tmp_path: Path) -> None:
+    file = tmp_path / "r.json"
+    walked = crossgait.walk("trot", seconds=0.1)
+    walked.save(file)
+    file.chmod(0o600)
+    walked.save(file)
+    assert file.stat().st_mode & 0o777 == 0o600
