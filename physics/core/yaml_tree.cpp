@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <sstream>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
@@ -112,9 +113,45 @@ class TreeMaker : public YAML::EventHandler {
   std::size_t values_ = 0;
 };
 
+/// How many bytes at the beginning of a text are whole characters of UTF-8 (RFC 3629).
+std::size_t utf8_length(std::string_view text) noexcept {
+  const auto byte = [text](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
+  };
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const unsigned lead = byte(at), second = byte(at + 1);
+    if (lead < 0x80) {
+      ++at;
+      continue;
+    }
+    if (lead < 0xC2 || lead > 0xF4) return at;
+    const std::size_t length = lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+    for (std::size_t i = 1; i < length; ++i)
+      if ((byte(at + i) & 0xC0U) != 0x80U) return at;
+    const bool is_overlong = (lead == 0xE0 && second < 0xA0) || (lead == 0xF0 && second < 0x90);
+    if (is_overlong || (lead == 0xED && second > 0x9F) || (lead == 0xF4 && second > 0x8F)) return at;
+    at += length;
+  }
+  return at;
+}
+
+/// The parser takes what is no UTF-8 for some other character, which is not what was written. UTF-16 and
+/// UTF-32 begin with a mark, which is no UTF-8 either, and are its to read.
+void check_utf8(const std::string& text, const std::string& source) {
+  if (text.starts_with("\xfe\xff") || text.starts_with("\xff\xfe") || text.find('\0') != std::string::npos)
+    return;
+  const std::size_t length = utf8_length(text);
+  if (length == text.size()) return;
+  const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(length), '\n') + 1;
+  throw ConfigError(source, fmt::format("line {}", line), "text in UTF-8",
+                    fmt::format("the byte {:#04x}", static_cast<unsigned char>(text[length])));
+}
+
 }  // namespace
 
 std::shared_ptr<const YamlNode> read_yaml(const std::string& text, const std::string& source) {
+  check_utf8(text, source);
   const Undivided alone;  // yaml-cpp makes tables when it is first asked
   // Within brackets the parser first takes the whole line apart: no more pieces than there may be values.
   const auto separates = [](char c) { return c == '[' || c == '{' || c == ','; };

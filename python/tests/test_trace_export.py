@@ -243,6 +243,17 @@ def test_another_robot_is_refused_and_leaves_nothing(trace: crossgait.Trace, exp
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(("column", "number"), [("q_WB.w", 0.0), ("q_WB.w", 1e300), ("time", 1e300)])
+def test_attitudes_and_times_that_are_none_are_refused(
+    trace: crossgait.Trace, column: str, number: float, tmp_path: Path
+) -> None:
+    wrong = crossgait.Trace(trace.names, trace.values.copy())
+    wrong[column][-1] = number
+    with pytest.raises(crossgait.ConfigError, match=r"unit quaternions|time: expected 0 to 9e\+09 s"):
+        wrong.to_mcap(tmp_path / "walk.mcap", ROBOT)
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("export", ["to_mcap", "to_rerun", "to_csv"])
 def test_what_goes_wrong_keeps_the_file_that_was_there(
     trace: crossgait.Trace, export: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -73,6 +73,15 @@ TEST_P(MjcfOnBars, WhatIsNoLegIsSaid) {
   EXPECT_EQ(refusal("</actuator>", driven).element(), "legs.FL");
 }
 
+TEST_P(MjcfOnBars, AClassGivesNoNames) {
+  std::string text = legs_on_bars(GetParam());
+  const std::string axis = "axis=\"0 1 0\" range";
+  ASSERT_NE(text.find(axis), std::string::npos);
+  text.replace(text.find(axis), axis.size(), "name=\"0 1 0\" range");
+  EXPECT_EQ(config_error([&] { (void)load_robot(write("bars.xml", text)); }).expected(),
+            "no name in a class, which is of several");
+}
+
 TEST_P(MjcfOnBars, Walk) {
   const auto robot =
       std::make_shared<const RobotDescription>(load_robot(write("bars.xml", legs_on_bars(GetParam()))));

@@ -84,7 +84,12 @@ class Taker {
     for (MjcfElement& section : root.children) {
       if (section.tag == "compiler") trim_compiler(section);
       if (section.tag == "default")
-        for_each_mjcf_element(section, [](MjcfElement& e) { e.remove("texture"); });
+        for_each_mjcf_element(section, [](MjcfElement& e) {
+          e.remove("texture");
+          // The compiler takes it for the name of whatever is of the class.
+          if (const std::string_view name = e.attribute("name"); !name.empty())
+            fail_at(e, "no name in a class, which is of several", fmt::format("'{}'", name));
+        });
       if (section.tag == "asset") trim_assets(section);
       if (section.tag == "worldbody") trim_world(section);
       if (section.tag == "equality") trim_equality(section);

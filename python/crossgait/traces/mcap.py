@@ -19,6 +19,7 @@ except ImportError as error:
     raise ImportError("Trace.to_mcap needs mcap: pip install crossgait[mcap]") from error
 
 from crossgait import _core
+from crossgait.errors import ConfigError
 from crossgait.files import read_bytes, written_whole
 from crossgait.traces import scene
 from crossgait.traces.scene import MEDIA_TYPES, Ground, Shape
@@ -101,10 +102,15 @@ _SCHEMAS = {
 }
 
 
+_LONGEST = 9e9  #: s, of nanoseconds in 64 bits
+
+
 def write(
     trace: TraceTable, path: str | os.PathLike[str], robot: _core.Robot, terrain: _core.Terrain | None = None
 ) -> None:
     """Write `trace`, of `robot`. The file appears whole or not at all."""
+    if len(trace) and not 0 <= trace.time.min() <= trace.time.max() < _LONGEST:
+        raise ConfigError(trace.name or "trace", "time", f"0 to {_LONGEST:g} s", f"up to {trace.time.max():g}")
     times = np.rint(trace.time * 1e9).astype(np.int64).tolist()  # ns
     poses = scene.poses(trace, robot)
     with written_whole(path) as beside, open(beside, "wb") as stream:

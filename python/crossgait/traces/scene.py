@@ -86,6 +86,9 @@ def _shape(shape: dict[str, Any], rgba: Numbers, mesh: Path | None, scale: Numbe
     return Shape(shape["body"], shape["type"], shape["size"], shape["pose"], rgba, mesh, scale, vertices)
 
 
+_ROUNDING = 1e-3  #: of quaternions that were written with few digits
+
+
 def the_robot(trace: TraceTable, robot: RobotLike) -> _core.Robot:
     """Load it, if it is a name or file. Raises ConfigError if the trace is not of this robot."""
     robot = as_robot(robot)
@@ -93,6 +96,11 @@ def the_robot(trace: TraceTable, robot: RobotLike) -> _core.Robot:
     if missing:
         joints = ", ".join(list(trace.group("q"))[:4])
         raise ConfigError("trace", "robot", f"the robot that walked, with joints {joints}, ...", robot.name)
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(np.stack([trace[f"q_WB.{axis}"] for axis in "wxyz"]), axis=0)
+    if (wrong := np.flatnonzero(~(np.abs(lengths - 1) < _ROUNDING))).size:
+        found = f"one of length {lengths[wrong[0]]:g} in row {wrong[0] + 1}"
+        raise ConfigError(trace.name or "trace", "q_WB", "unit quaternions", found)
     return robot
 
 

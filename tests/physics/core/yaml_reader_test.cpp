@@ -123,6 +123,14 @@ std::string repeated(std::string_view text, int count) {
 }
 
 // All of them by the parser's own events: it calls itself for every level.
+TEST(YamlReader, RejectsWhatIsNoUtf8) {
+  EXPECT_EQ(config_error([] { parse("a: 1\nb\xc7: {x: 2}\n"); }).what(),
+            std::string("test.yaml: line 2: expected text in UTF-8, found the byte 0xc7"));
+  for (const char* text : {"a: \xc0\xaf", "a: \xed\xa0\x80", "a: \xf5\x80\x80\x80", "a: \xe2\x82", "a: \x80"})
+    EXPECT_EQ(config_error([&] { parse(text); }).expected(), "text in UTF-8") << text;
+  EXPECT_NO_THROW(parse("a: gr\xc3\xbc\xc3\x9f\xf0\x9f\x90\x95"));
+}
+
 TEST(YamlReader, RejectsTooManyLevels) {
   for (const char* level : {"[", "{a: ", "- ", "? ", "[a: "}) {
     const ConfigError error = config_error([&] { parse(repeated(level, 100000)); });
