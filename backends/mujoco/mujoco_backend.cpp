@@ -113,7 +113,8 @@ class MujocoBackend final : public PhysicsBackend {
   const Vector3& base_origin() const noexcept { return robot().bodies[0].inertia.p_BC; }
 
   void do_reset(const RobotState& state) override {
-    kept_.clear(simulations_->model(), base_body_);
+    kept_.clear(simulations_->model(), simulations_->position(base_body_),
+                simulations_->attitude(base_body_));
     ++revision_;
     kept_.time() = state.time;
     const Quaternion q = state.q_WB.normalized();

@@ -24,11 +24,11 @@ KeptState::KeptState(const mjModel& model)
       nv_(static_cast<std::size_t>(model.nv)),
       numbers_(nq_ + 2 * nv_ + 8) {}
 
-void KeptState::clear(const mjModel& model, int base_body) {
+void KeptState::clear(const mjModel& model, const mjtNum* position, const mjtNum* attitude) {
   std::fill(numbers_.begin(), numbers_.end(), 0.0);
   std::copy_n(model.qpos0, nq_, numbers_.begin());
-  std::copy_n(model.body_pos + 3 * base_body, 3, base_position());
-  std::copy_n(model.body_quat + 4 * base_body, 4, base_attitude());
+  std::copy_n(position, 3, base_position());
+  std::copy_n(attitude, 4, base_attitude());
 }
 
 void KeptState::set(const std::vector<double>& numbers) noexcept {
@@ -83,6 +83,8 @@ Simulations::Simulations(const WorldSpec& spec, std::string xml, std::size_t thr
   install_terrain_collision();
   ModelPtr model = compile_model(spec_, xml_);
   set_armatures(*model, spec_);
+  positions_.assign(model->body_pos, model->body_pos + 3 * model->nbody);
+  attitudes_.assign(model->body_quat, model->body_quat + 4 * model->nbody);
   for (std::size_t i = 1; i < threads; ++i) {
     ModelPtr copy;
     in_mujoco({model.get(), nullptr}, [&] { copy.reset(mj_copyModel(nullptr, model.get())); });

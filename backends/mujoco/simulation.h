@@ -33,8 +33,8 @@ class KeptState {
   const mjtNum* base_attitude() const noexcept { return base_position() + 3; }
   mjtNum time() const noexcept { return numbers_.back(); }
 
-  /// Puts all joints to zero and everything to rest, the base where the model has it.
-  void clear(const mjModel& model, int base_body);
+  /// Puts all joints to zero and everything to rest, the base at a place (m) and attitude (w, x, y, z).
+  void clear(const mjModel& model, const mjtNum* position, const mjtNum* attitude);
   const std::vector<double>& numbers() const noexcept { return numbers_; }
   /// @param numbers  of another of the same model
   void set(const std::vector<double>& numbers) noexcept;
@@ -94,7 +94,11 @@ class Simulations {
 
   /// Returns that of the calling thread.
   Simulation& here() noexcept { return *all_[group_ == nullptr ? 0 : group_->thread()]; }
+  /// Returns a model of theirs, to read what no world changes: not where a base is that does not move.
   const mjModel& model() const noexcept { return all_.front()->model(); }
+  /// Returns where a body is in its parent as the model was made, m, and its attitude, w, x, y, z.
+  const mjtNum* position(int body) const noexcept { return &positions_[3 * static_cast<std::size_t>(body)]; }
+  const mjtNum* attitude(int body) const noexcept { return &attitudes_[4 * static_cast<std::size_t>(body)]; }
 
  private:
   /// @param xml  model_xml(spec)
@@ -105,6 +109,7 @@ class Simulations {
   std::string xml_;
   const WorldGroup* group_ = nullptr;  // which owns this
   std::vector<std::unique_ptr<Simulation>> all_;
+  std::vector<mjtNum> positions_, attitudes_;
 };
 
 }  // namespace crossgait::mujoco
