@@ -10,10 +10,6 @@ std::string& stated() {
   return executable;
 }
 
-// Before anything is imported that is not built in.
-constexpr const char* kNoCurrentFolder =
-    "import sys; sys.path[:] = [folder for folder in sys.path if folder]; ";
-
 }  // namespace
 
 std::string python_program() {
@@ -22,15 +18,21 @@ std::string python_program() {
   return stated().empty() ? "python3" : stated();
 }
 
-std::vector<std::string> python_module_command(const std::string& module) {
+std::vector<std::string> python_code_command(const std::string& code) {
+  // Before anything is imported that is not built in.
   return {python_program(), "-c",
-          std::string(kNoCurrentFolder) +
-              "import runpy; runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)",
-          module};
+          "import sys; sys.path[:] = [folder for folder in sys.path if folder]\n" + code};
+}
+
+std::vector<std::string> python_module_command(const std::string& module) {
+  std::vector<std::string> command = python_code_command(
+      "import runpy; runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)");
+  command.push_back(module);
+  return command;
 }
 
 std::vector<std::string> python_import_command(const std::string& module) {
-  return {python_program(), "-c", kNoCurrentFolder + ("import " + module)};
+  return python_code_command("import " + module);
 }
 
 void set_python_program(const std::string& executable) { stated() = executable; }

@@ -11,9 +11,11 @@ namespace crossgait {
 /// shell does.
 std::string python_program();
 
-/// Returns the command that runs a module of installed packages, to which arguments may be added. Python's
-/// own
-/// `-m` looks in the current folder first, where anybody's file may have the name of a package.
+/// Returns the command that runs code, to which arguments may be added. Nothing of the current folder is
+/// imported: anybody's file there may have the name of a package. `sys` is there.
+std::vector<std::string> python_code_command(const std::string& code);
+
+/// Returns the command that runs a module of installed packages as `-m` does, likewise.
 std::vector<std::string> python_module_command(const std::string& module);
 
 /// Returns the command that ends with exit code 0 if a module can be imported, likewise.

@@ -7,6 +7,7 @@ import fcntl
 import os
 import stat
 import tempfile
+import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -19,7 +20,15 @@ Named = tuple[str, str | os.PathLike[str] | None]  #: an option or what else nam
 
 CHECKPOINT_BYTES = 256 << 20  #: of a file of PyTorch's or Stable-Baselines3's at most
 
-_noted: list[list[str]] = []  #: by `noting_reads`, the innermost last
+
+class _Noted(threading.local):
+    """What each `noting_reads` of a thread has noted so far, the innermost last."""
+
+    def __init__(self) -> None:
+        self.lists: list[list[str]] = []
+
+
+_noted = _Noted()
 
 
 def check_outputs(outputs: Iterable[Named], inputs: Iterable[Named] = ()) -> None:
@@ -60,11 +69,11 @@ def _is_same(path: str, other: str) -> bool:
 def noting_reads() -> Iterator[list[Named]]:
     """Note what this package and the core read on this thread, for `check_outputs`: the list is whole at the end."""
     core, read, mine = _core._FilesRead(), list[Named](), list[str]()
-    _noted.append(mine)
+    _noted.lists.append(mine)
     try:
         yield read
     finally:
-        _noted.remove(mine)
+        _noted.lists.pop()
         read += [("what is read", path) for path in dict.fromkeys([*mine, *core.paths()])]
         core.close()
 
@@ -199,7 +208,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         os.close(file)
         found = os.strerror(errno.EISDIR) if stat.S_ISDIR(mode) else "a pipe or device"
         raise ConfigError(source, "file", "a readable file", found)
-    for noted in _noted:
+    for noted in _noted.lists:
         noted.append(source)
     with open(file, "rb") as reading:
         yield reading

@@ -10,7 +10,7 @@ import pytest
 
 import crossgait
 from crossgait.errors import ConfigError
-from crossgait.files import check_outputs, noting_reads
+from crossgait.files import check_outputs, noting_reads, read_bytes
 from crossgait.sweep import __main__ as sweeping
 from crossgait.train import __main__ as training
 from crossgait.train import compare_policies
@@ -65,6 +65,18 @@ def test_what_the_core_reads_is_noted(tmp_path: Path) -> None:
     with noting_reads() as read:
         crossgait.Terrain(f"{ground}:size_x=2,size_y=2")
     assert str(ground) in [os.fspath(path) for _, path in read if path is not None]
+
+
+def test_what_is_read_is_noted_by_all_that_are_open(tmp_path: Path) -> None:
+    files = [tmp_path / name for name in ("inner", "outer")]
+    for file in files:
+        file.write_text("x")
+    with noting_reads() as outer:
+        with noting_reads() as inner:
+            read_bytes(files[0], 10)
+        read_bytes(files[1], 10)
+    assert [path for _, path in inner] == [str(files[0])]
+    assert [path for _, path in outer] == [str(file) for file in files]
 
 
 @pytest.mark.parametrize("name", NAMES)

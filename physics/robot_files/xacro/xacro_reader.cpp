@@ -23,11 +23,8 @@ namespace {
 
 constexpr int kNoModule = 97;  // exit code of kRunModule: no program of Python's ends with it by itself
 
-/// Runs Python's module, told FOLDERS (one a line) FILE NAME:=VALUE...: nothing of the current folder is
-/// imported, and packages are found without ROS, too.
+/// Runs Python's module, told FOLDERS (one a line) FILE NAME:=VALUE...: packages are found without ROS, too.
 constexpr const char* kRunModule = R"python(
-import sys
-sys.path[:] = [folder for folder in sys.path if folder]
 try:
     import xacro
 except ImportError:
@@ -93,8 +90,9 @@ std::string expanded(const std::string& path, const FileArguments& arguments) {
     command.insert(command.end(), words.begin(), words.end());
     return run_child(command, ChildErrors::kKept, kLimits);
   };
-  auto done =
-      run({python_program(), "-c", kRunModule, fmt::format("{}", fmt::join(named_file_folders(path), "\n"))});
+  std::vector<std::string> command = python_code_command(kRunModule);
+  command.push_back(fmt::format("{}", fmt::join(named_file_folders(path), "\n")));
+  auto done = run(std::move(command));
   if (!done || done->exit_code == kNoModule) done = run({"xacro"});
   if (!done) {
     throw ConfigError(

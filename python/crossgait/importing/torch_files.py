@@ -16,7 +16,7 @@ from crossgait.files import CHECKPOINT_BYTES, read_bytes
 from crossgait.importing.onnx_network import OnnxNetwork
 from crossgait.importing.stated import Stated
 from crossgait.policies.place import Place
-from crossgait.policies.torch_reader import load_script
+from crossgait.policies.torch_reader import holds_code, load_script
 
 try:
     import torch
@@ -33,7 +33,7 @@ def is_script(file: str) -> bool:
     saved = io.BytesIO(read_bytes(file, CHECKPOINT_BYTES))
     try:
         with zipfile.ZipFile(saved) as archive:
-            return any("/code/" in name or name.endswith("constants.pkl") for name in archive.namelist())
+            return holds_code(archive)
     except Exception as error:  # of no common type
         raise ConfigError(file, "file", "a file of PyTorch's", str(error)) from error
 

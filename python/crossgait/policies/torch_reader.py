@@ -38,14 +38,18 @@ class TorchNetwork:
     run: Callable[[FloatArray], FloatArray]
 
 
+def holds_code(archive: zipfile.ZipFile) -> bool:
+    """Whether a zip of PyTorch's is TorchScript; a checkpoint has none."""
+    return any("/code/" in name or name.endswith("constants.pkl") for name in archive.namelist())
+
+
 def _is_checkpoint(file: io.BytesIO) -> bool:
-    """Whether it is a zip of PyTorch's without code."""
     if not zipfile.is_zipfile(file):
         return False
     with zipfile.ZipFile(file) as archive:
-        names = archive.namelist()
+        found = any(name.endswith("data.pkl") for name in archive.namelist()) and not holds_code(archive)
     file.seek(0)
-    return any(name.endswith("data.pkl") for name in names) and not any("/code/" in name for name in names)
+    return found
 
 
 def load_script(file: str | io.BytesIO) -> torch.nn.Module:
