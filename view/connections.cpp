@@ -1,7 +1,6 @@
 #include "view/connections.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <condition_variable>
 #include <cstring>
@@ -22,15 +21,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Whether this thread is letting a connection go that it was to answer.
-thread_local bool lets_go = false;
-
-/// One connection: read until a moment that is the same for all that comes, and written as long as the client
-/// takes anything.
+/// One connection, whose head was read: the rest is read until a moment that is the same for all of it, and
+/// written as long as the client takes anything.
 class TimedStream : public httplib::Stream {
  public:
-  TimedStream(socket_t socket, const ConnectionLimits& limits)
-      : socket_(socket), until_(Clock::now() + limits.request), write_(limits.write) {}
+  TimedStream(ArrivedRequest request, std::chrono::milliseconds write)
+      : request_(std::move(request)), write_(write), end_(request_.bytes.size()) {}
 
   bool is_readable() const override { return begin_ < end_ || wait(POLLIN, time_left()); }
   bool is_writable() const override { return wait(POLLOUT, write_) && is_open(); }
@@ -45,7 +41,7 @@ class TimedStream : public httplib::Stream {
       end_ = static_cast<std::size_t>(count);
     }
     const std::size_t count = std::min(size, end_ - begin_);
-    std::memcpy(to, buffer_.data() + begin_, count);
+    std::memcpy(to, request_.bytes.data() + begin_, count);
     begin_ += count;
     return static_cast<ssize_t>(count);
   }
@@ -54,7 +50,7 @@ class TimedStream : public httplib::Stream {
     if (!wait(POLLOUT, write_)) return -1;
     ssize_t count = 0;
     do {
-      count = ::send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+      count = ::send(request_.socket, from, size, MSG_NOSIGNAL | MSG_DONTWAIT);
     } while (count < 0 && errno == EINTR);
     return count;
   }
@@ -62,15 +58,15 @@ class TimedStream : public httplib::Stream {
   // Nobody asks: every client is on this machine.
   void get_remote_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
   void get_local_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
-  socket_t socket() const override { return socket_; }
+  socket_t socket() const override { return request_.socket; }
 
  private:
   std::chrono::milliseconds time_left() const {
     return std::max(std::chrono::milliseconds(0),
-                    std::chrono::duration_cast<std::chrono::milliseconds>(until_ - Clock::now()));
+                    std::chrono::duration_cast<std::chrono::milliseconds>(request_.until - Clock::now()));
   }
   bool wait(short what, std::chrono::milliseconds time) const {
-    pollfd socket{socket_, what, 0};
+    pollfd socket{request_.socket, what, 0};
     int ready = 0;
     do {
       ready = ::poll(&socket, 1, static_cast<int>(time.count()));
@@ -79,111 +75,129 @@ class TimedStream : public httplib::Stream {
   }
   bool is_open() const {
     char next = 0;
-    const ssize_t count = ::recv(socket_, &next, 1, MSG_PEEK | MSG_DONTWAIT);
+    const ssize_t count = ::recv(request_.socket, &next, 1, MSG_PEEK | MSG_DONTWAIT);
     return count > 0 || (count < 0 && (errno == EAGAIN || errno == EINTR));
   }
   ssize_t receive() {
+    request_.bytes.resize(kPiece);
     ssize_t count = 0;
     do {
-      count = ::recv(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+      count = ::recv(request_.socket, request_.bytes.data(), kPiece, MSG_DONTWAIT);
     } while (count < 0 && errno == EINTR);
     return count;
   }
 
-  socket_t socket_;
-  Clock::time_point until_;
+  static constexpr std::size_t kPiece = 4096;
+  ArrivedRequest request_;  // its bytes are received into anew, once they are read
   std::chrono::milliseconds write_;
-  std::array<char, 4096> buffer_{};
-  std::size_t begin_ = 0, end_ = 0;  // of what was received and not yet read
+  std::size_t begin_ = 0, end_;  // of what was received and not yet read
 };
 
 }  // namespace
 
-/// Threads that answer, the newest connection first: of many that say nothing, none is in the way of the next
-/// that does.
-class BoundedServer::Queue : public httplib::TaskQueue {
+/// Threads that answer.
+class BoundedServer::Answers {
  public:
-  explicit Queue(const ConnectionLimits& limits) : most_(limits.waiting) {
+  Answers(BoundedServer& server, const ConnectionLimits& limits) : server_(server), most_(limits.waiting) {
     try {
       for (std::size_t i = 0; i < limits.threads; ++i) threads_.emplace_back([this] { serve(); });
     } catch (const std::system_error&) {
-      shutdown();  // those that did start
+      end();  // those that did start
       throw;
     }
   }
+  ~Answers() { end(); }
+  Answers(const Answers&) = delete;
+  Answers& operator=(const Answers&) = delete;
+  Answers(Answers&&) = delete;
+  Answers& operator=(Answers&&) = delete;
 
-  void enqueue(std::function<void()> answer) override {
-    std::function<void()> oldest;
+  void add(ArrivedRequest request) {
     {
       const std::scoped_lock lock(mutex_);
-      waiting_.push_back(std::move(answer));
+      waiting_.push_back(std::move(request));
       if (waiting_.size() > most_) {
-        oldest = std::move(waiting_.front());
+        ::close(waiting_.front().socket);
         waiting_.pop_front();
       }
     }
-    if (oldest) let_go(oldest);
     changed_.notify_one();
   }
 
-  void shutdown() override {
+  void end() {
     {
       const std::scoped_lock lock(mutex_);
       ended_ = true;
     }
     changed_.notify_all();
     for (std::thread& thread : threads_) thread.join();
-    for (const std::function<void()>& answer : waiting_) let_go(answer);
+    threads_.clear();
+    for (const ArrivedRequest& request : waiting_) ::close(request.socket);
     waiting_.clear();
   }
 
  private:
-  static void let_go(const std::function<void()>& answer) {
-    lets_go = true;
-    answer();
-    lets_go = false;
-  }
   void serve() {
     std::unique_lock lock(mutex_);
     while (true) {
       changed_.wait(lock, [this] { return ended_ || !waiting_.empty(); });
       if (ended_) return;
-      const std::function<void()> answer = std::move(waiting_.back());
-      waiting_.pop_back();
+      ArrivedRequest request = std::move(waiting_.front());
+      waiting_.pop_front();
       lock.unlock();
-      answer();
+      server_.answer(std::move(request));
       lock.lock();
     }
   }
 
+  BoundedServer& server_;
   const std::size_t most_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::function<void()>> waiting_;
+  std::deque<ArrivedRequest> waiting_;
   bool ended_ = false;
   std::vector<std::thread> threads_;
 };
 
+namespace {
+
+/// The library's queue of connections: what it accepts waits elsewhere, with `process_and_close_socket`.
+class NoQueue : public httplib::TaskQueue {
+ public:
+  void enqueue(std::function<void()> take_over) override { take_over(); }
+  void shutdown() override {}
+};
+
+}  // namespace
+
 BoundedServer::BoundedServer(const ConnectionLimits& limits)
-    : limits_(limits), queue_(std::make_unique<Queue>(limits)) {
-  new_task_queue = [this] { return queue_.release(); };  // the library's, which deletes it
+    : limits_(limits),
+      answers_(std::make_unique<Answers>(*this, limits)),
+      heads_(limits.head, [this](ArrivedRequest request) { answers_->add(std::move(request)); }) {
+  new_task_queue = [] { return std::make_unique<NoQueue>().release(); };  // the library deletes it
 }
 
-BoundedServer::~BoundedServer() {
-  if (queue_) queue_->shutdown();
+BoundedServer::~BoundedServer() { end(); }
+
+void BoundedServer::widen_backlog() {
+  static_cast<void>(::listen(svr_sock_, static_cast<int>(limits_.head.waiting)));
 }
 
 void BoundedServer::end() {
   stop();
-  const std::scoped_lock lock(mutex_);
-  ended_ = true;
-  // Whoever reads or writes there is woken; closing is for the thread that has it.
-  for (const socket_t socket : open_) ::shutdown(socket, SHUT_RDWR);
+  heads_.end();
+  {
+    const std::scoped_lock lock(mutex_);
+    ended_ = true;
+    // Whoever reads or writes there is woken; closing is for the thread that has it.
+    for (const socket_t socket : open_) ::shutdown(socket, SHUT_RDWR);
+  }
+  answers_->end();
 }
 
 bool BoundedServer::begin(socket_t socket) {
   const std::scoped_lock lock(mutex_);
-  if (ended_ || lets_go) return false;
+  if (ended_) return false;
   open_.insert(socket);
   return true;
 }
@@ -198,16 +212,19 @@ void BoundedServer::finish(socket_t socket) {
 }
 
 bool BoundedServer::process_and_close_socket(socket_t socket) {
-  bool is_answered = false;
+  heads_.add(socket);
+  return true;
+}
+
+void BoundedServer::answer(ArrivedRequest request) {
+  const socket_t socket = request.socket;
   if (begin(socket)) {
-    TimedStream stream(socket, limits_);
+    TimedStream stream(std::move(request), limits_.write);
     bool is_closed = false;
     // Ranges overlap as often as a client likes, and would be put together in memory.
-    is_answered =
-        process_request(stream, true, is_closed, [](httplib::Request& request) { request.ranges.clear(); });
+    process_request(stream, true, is_closed, [](httplib::Request& asked) { asked.ranges.clear(); });
   }
   finish(socket);
-  return is_answered;
 }
 
 }  // namespace crossgait

@@ -62,7 +62,7 @@ void require_view_server() {}
 class ViewServer::Implementation {
  public:
   Implementation(LiveView& view, const ViewServerOptions& options)
-      : view_(view), options_(options), server_({.threads = options.viewers + kShortRequests}) {
+      : view_(view), options_(options), server_({.head = {}, .threads = options.viewers + kShortRequests}) {
     configure();
     route();
     constexpr const char* kLoopback = "127.0.0.1";
@@ -73,6 +73,7 @@ class ViewServer::Implementation {
       port_ = -1;
     }
     if (port_ <= 0) throw ConfigError("view", "port", "a port that is free", fmt::format("{}", options.port));
+    server_.widen_backlog();
     thread_ = std::thread([this] {
       server_.listen_after_bind();
       listened_ = true;

@@ -278,6 +278,28 @@ TEST_F(ViewServerTest, AnswersThoughManySayNothing) {
   EXPECT_EQ(get(at("/")).status, 200);  // reading gives up after a minute
 }
 
+// Faster than those that say nothing are let go, and with more of them than may wait.
+TEST_F(ViewServerTest, AnswersAllThoughSilentOnesKeepComing) {
+  std::vector<std::unique_ptr<RawConnection>> silent;
+  const std::jthread coming([&](const std::stop_token& ended) {
+    for (; !ended.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
+      if (silent.size() == 800) silent.erase(silent.begin());
+      silent.push_back(std::make_unique<RawConnection>(port_));
+      silent.back()->send("GET / HTTP/1.1\r\n");
+    }
+  });
+  for (int i = 0; i < 30; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(100)))
+    ASSERT_EQ(get(at("/")).status, 200) << "request " << i;
+}
+
+TEST_F(ViewServerTest, RefusesAHeadWithoutEnd) {
+  for (const std::size_t size : {1000, 9000, 40'000, 400'000}) {
+    const RawConnection endless(port_);
+    endless.send("GET " + at("/") + " HTTP/1.1\r\nX: " + std::string(size, 'a'));
+    EXPECT_TRUE(endless.ends()) << size;
+  }
+}
+
 TEST_F(ViewServerTest, SendsEverythingWhole) {
   const RawAnswer part = get(at("/"), "Range: bytes=0-1\r\n");
   EXPECT_EQ(part.status, 200);
