@@ -18,6 +18,8 @@
 #include <unistd.h>
 
 #include "physics/core/error.h"
+#include "physics/core/interruption.h"
+#include "physics/core/progress.h"
 #include "physics/core/spawn_actions.h"
 #include "physics/core/text.h"
 
@@ -180,8 +182,10 @@ bool ServedProcess::request(std::uint32_t what, const char* name) noexcept {
 
 // Waits in slices, so that a clock that is watched in between bounds the whole.
 bool ServedProcess::wait(std::uint32_t number, const char* name) {
-  constexpr int kSlice = 100;  // ms
+  constexpr int kSlice = 100;                   // ms
+  constexpr std::chrono::seconds kPatience{1};  // in which whoever is well answers, and nothing is lost
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(limit_);
+  const auto patient = Clock::now() + kPatience;
   std::size_t written = 0;
   std::array<pollfd, 2> watched{pollfd{socket_, POLLIN, 0}, pollfd{output_, POLLIN, 0}};
   for (;;) {
@@ -195,6 +199,11 @@ bool ServedProcess::wait(std::uint32_t number, const char* name) {
              fmt::format("more, which ends '{}'", printable_text(output_end_, 200)));
         return false;
       }
+    }
+    if (Clock::now() > patient && interruption_came()) {
+      interrupted_ = true;
+      lose(name, "an answer", "an interruption before it came");
+      return false;
     }
     if (Clock::now() > end) {
       lose(name, fmt::format("an answer within {:g} s ({} sets it)", limit_.count(), kServedLimitVariable),
@@ -269,6 +278,7 @@ void ServedProcess::lose(const char* request, const std::string& expected,
 }
 
 void ServedProcess::throw_if_lost() const {
+  if (interrupted_) throw Interrupted();
   if (is_lost()) throw ConfigError(source_, failed_request_, expected_, failure_);
 }
 

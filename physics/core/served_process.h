@@ -37,10 +37,10 @@ std::chrono::duration<double> served_limit();
 
 /// Runs a program that answers requests. A request and its answer are eight bytes each on a socket (number of
 /// the request; what is asked, or whether it was done); all else is in the memory. Whatever the program does
-/// instead of answering is found out and ends it: ending, closing the socket, taking too long, writing more
-/// than `kMostOutput` within one request, answering what was not asked. What it writes to its outputs is kept
-/// for the message. The program and what it started (its process group) are ended when this object is, and by
-/// the system when this process is.
+/// instead of answering is found out and ends it: ending, closing the socket, taking too long, or a second
+/// where the caller is to end (`interruption_came`), writing more than `kMostOutput` within one request,
+/// answering what was not asked. What it writes to its outputs is kept for the message. The program and what
+/// it started (its process group) are ended when this object is, and by the system when this process is.
 class ServedProcess {
  public:
   /// Bytes that a program may write to its outputs within one request.
@@ -60,7 +60,9 @@ class ServedProcess {
   /// tells.
   /// @param name  of the request, for messages; outlives this object
   bool request(std::uint32_t what, const char* name) noexcept;
-  /// @throws ConfigError naming the source and the request, once one has failed
+  /// @throws ConfigError naming the source and the request, once one has failed; Interrupted, where it was
+  /// given
+  ///   up since the caller is to end
   void throw_if_lost() const;
   bool is_lost() const noexcept { return !failure_.empty(); }
   /// Takes the program to be lost for a reason of the caller's: an answer without sense. Ends it.
@@ -92,6 +94,7 @@ class ServedProcess {
   pid_t child_ = -1, owner_ = -1;
   std::uint32_t requests_ = 0;
   std::string output_end_;  ///< the last of what it wrote
+  bool interrupted_ = false;
   std::string failure_, failed_request_, expected_;
 };
 

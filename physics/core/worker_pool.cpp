@@ -53,11 +53,18 @@ void WorkerPool::stop() noexcept {
 
 void WorkerPool::serve(std::size_t worker) noexcept {
   this_worker = worker;
+  const std::function<void()> have_caller_look = [this] {
+    busy_.fetch_add(kLook, std::memory_order_acq_rel);
+    busy_.notify_one();
+  };
   for (std::size_t seen = 0;; ++seen) {
     wait_while(round_, seen);
     if (stop_) return;
-    work();
-    if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
+    {
+      const WorkingFor caller(interruptible_, have_caller_look);
+      work();
+    }
+    if (busy_.fetch_sub(1, std::memory_order_acq_rel) % kLook == 1) busy_.notify_one();
   }
 }
 
@@ -75,6 +82,15 @@ void WorkerPool::work() noexcept {
   }
 }
 
+void WorkerPool::wait_for_workers() {
+  std::size_t looks = 0;
+  for (std::size_t busy = busy_.load(); busy % kLook != 0; busy = busy_.load()) {
+    if (busy / kLook != looks) static_cast<void>(interruption_came());
+    looks = busy / kLook;
+    wait_while(busy_, busy);
+  }
+}
+
 void WorkerPool::run(std::size_t count, Call call, const void* function) {
   if (!threads_->empty() && process_ != ::getpid()) {
     throw std::logic_error(
@@ -86,6 +102,7 @@ void WorkerPool::run(std::size_t count, Call call, const void* function) {
   call_ = call;
   function_ = function;
   count_ = count;
+  interruptible_ = Interruptible::current();
   next_ = 0;
   error_ = nullptr;
   busy_ = threads_->size();
@@ -94,7 +111,7 @@ void WorkerPool::run(std::size_t count, Call call, const void* function) {
   const std::size_t outside = std::exchange(this_worker, 0);  // of a pool that runs this one
   work();
   this_worker = outside;
-  for (std::size_t busy = busy_.load(); busy != 0; busy = busy_.load()) wait_while(busy_, busy);
+  wait_for_workers();
   if (error_) std::rethrow_exception(error_);
 }
 

@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "physics/core/interruption.h"
+
 namespace crossgait {
 
 /// Calls a function for every index of a range, on all workers at once. Which worker gets which index is left
@@ -45,17 +47,21 @@ class WorkerPool {
   void work() noexcept;
   void serve(std::size_t worker) noexcept;
   void stop() noexcept;
+  void wait_for_workers();
 
+  static constexpr std::size_t kLook = std::size_t{1} << 32;
   // Written by the caller between rounds; a change of `round_` hands them to the workers.
   Call call_ = nullptr;
   const void* function_ = nullptr;
   std::size_t count_ = 0;
+  Interruptible* interruptible_ = nullptr;  // the caller's
   bool stop_ = false;
   long process_ = 0;  // that has the threads
 
   std::atomic<std::size_t> round_{0};  // begins with every change
-  std::atomic<std::size_t> busy_{0};   // threads that have not finished the round
-  std::atomic<std::size_t> next_{0};   // index that nobody has taken
+  std::atomic<std::size_t> busy_{
+      0};  // threads that have not finished the round, and kLook for each look asked for
+  std::atomic<std::size_t> next_{0};  // index that nobody has taken
 
   std::mutex error_mutex_;
   std::exception_ptr error_;

@@ -7,6 +7,7 @@
 #include <nanobind/nanobind.h>
 
 #include "physics/engine/physics_backend.h"
+#include "python/bindings/interruption.h"
 
 namespace crossgait::python {
 
@@ -34,6 +35,18 @@ class Working {
   const void* object_;
   std::optional<nb::gil_scoped_release> release_;
 };
+
+/// Calls `function(interruption)` while the object is worked at; Ctrl-C ends its waits for an engine
+/// elsewhere, and whatever asks `interruption.came()`. @throws also what a handler of signals raised
+template <typename Function>
+void work_at(const void* object, const Function& function) {
+  Interruption interruption;
+  {
+    const Working working(object);
+    function(interruption);
+  }
+  interruption.rethrow();
+}
 
 /// Wraps a function, for a binding, with `check_idle` of its first argument before it.
 template <typename Result, typename Self, typename... Arguments>

@@ -30,6 +30,7 @@ namespace {
 
 Environment make_environment(const EnvConfig& config, const std::string& engine) {
   const nb::gil_scoped_release release;
+  const Interruption interruption;
   auto model = EnvModel::make(config);
   auto env = std::make_unique<QuadrupedEnv>(model, find_engine(engine.empty() ? config.engine : engine));
   const Layout& observation = model->interface.observation;
@@ -39,11 +40,10 @@ Environment make_environment(const EnvConfig& config, const std::string& engine)
 nb::object reset(Environment& self, std::uint64_t seed) {
   const NewArray<double> observation(self.env->observation_size());
   ++self.revision;
-  {
-    const Working working(&self);
+  work_at(&self, [&](Interruption&) {
     self.env->reset(seed, {observation.data, self.env->observation_size()});
     self.bounds.find({observation.data, self.env->observation_size()}, self.outside);
-  }
+  });
   return observation.array;
 }
 
@@ -52,11 +52,10 @@ nb::tuple step(Environment& self, const AnyArray& action) {
   const NewArray<double> observation(self.env->observation_size());
   StepResult result;
   ++self.revision;
-  {
-    const Working working(&self);
+  work_at(&self, [&](Interruption&) {
     result = self.env->step(numbers, {observation.data, self.env->observation_size()});
     self.bounds.find({observation.data, self.env->observation_size()}, self.outside);
-  }
+  });
   return nb::make_tuple(observation.array, result.reward, result.terminated, result.truncated);
 }
 

@@ -23,7 +23,8 @@ void translate(const std::exception_ptr& thrown, void*) {
         type(text(error.source()), text(error.element()), text(error.expected()), text(error.found()));
     PyErr_SetObject(type.ptr(), value.ptr());
   } catch (const Interrupted&) {
-    PyErr_SetNone(PyExc_KeyboardInterrupt);
+    // What a handler of Python's raised, where one was asked.
+    if (PyErr_Occurred() == nullptr) PyErr_SetNone(PyExc_KeyboardInterrupt);
   }
 }
 

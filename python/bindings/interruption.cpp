@@ -4,7 +4,13 @@
 
 namespace crossgait::python {
 
-bool Interruption::came() {
+bool Interruption::came() { return waits_.came(); }
+
+void Interruption::rethrow() const {
+  if (waits_.has_come()) throw nanobind::python_error();
+}
+
+bool Interruption::look() {
   constexpr std::chrono::milliseconds kLook{20};
   const auto now = std::chrono::steady_clock::now();
   if (now - looked_ < kLook) return false;

@@ -10,6 +10,7 @@
 #include <nanobind/stl/string.h>
 
 #include "physics/core/files_read.h"
+#include "physics/core/interruption.h"
 
 namespace crossgait::python {
 namespace {
@@ -61,6 +62,10 @@ void work_on(Shared& shared, const std::function<void(const StageProgress&)>& wo
     shared.share = share;
     if (shared.stop) throw Interrupted();
   };
+  const Interruptible waits([&shared] {
+    const std::scoped_lock lock(shared.mutex);
+    return shared.stop;
+  });
   std::exception_ptr error;
   const FilesRead read;
   try {

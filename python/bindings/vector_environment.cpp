@@ -56,6 +56,7 @@ VectorEnvironment make(const EnvConfig& config, std::size_t environments, const 
   };
   const VectorEnvOptions options{environments, workers, auto_reset_of(auto_reset), listen_to_signals};
   const nb::gil_scoped_release release;
+  const Interruption interruption;
   const Engine made_in = find_engine(engine.empty() ? config.engine : engine);
   auto envs = std::make_unique<VectorEnv>(config, made_in, options);
   const Layout& observation = envs->environment(0).observation_layout();
@@ -70,12 +71,11 @@ VectorEnvironment make(const EnvConfig& config, std::size_t environments, const 
 nb::object reset(VectorEnvironment& self, std::uint64_t seed) {
   const std::size_t size = self.envs->size() * self.envs->observation_size();
   const NewArray<double> observations(self.envs->size(), self.envs->observation_size());
-  {
-    const Working working(identity_of(self));
+  work_at(identity_of(self), [&](Interruption&) {
     self.envs->reset(seed, {observations.data, size});
     self.find_outside(observations.data, self.outside);
     std::fill(self.ended.begin(), self.ended.end(), 0);
-  }
+  });
   return observations.array;
 }
 
@@ -90,8 +90,7 @@ nb::tuple step(VectorEnvironment& self, const AnyArray& actions) {
   const auto flags = [count](const NewArray<bool>& array) {
     return std::span(reinterpret_cast<std::uint8_t*>(array.data), count);
   };
-  {
-    const Working working(identity_of(self));
+  work_at(identity_of(self), [&](Interruption&) {
     self.envs->step(numbers, {{observations.data, count * width},
                               {rewards.data, count},
                               flags(terminated),
@@ -100,7 +99,7 @@ nb::tuple step(VectorEnvironment& self, const AnyArray& actions) {
                               self.final_infos});
     self.find_outside(observations.data, self.outside);
     if (keeps_final) self.note_ended(terminated.data, truncated.data, last.data);
-  }
+  });
   return nb::make_tuple(observations.array, rewards.array, terminated.array, truncated.array,
                         keeps_final ? last.array : nb::none());
 }
@@ -122,9 +121,10 @@ std::span<double> rows_of(const VectorEnvironment& self, const AnyArray& which, 
 void reset_some(VectorEnvironment& self, const AnyArray& which, const Observations& observations) {
   const std::span<double> rows = rows_of(self, which, observations);
   const std::span flags(static_cast<const std::uint8_t*>(which.data()), which.size());
-  const Working working(identity_of(self));
-  self.envs->reset_some(flags, rows);
-  self.find_outside(rows.data(), self.outside);
+  work_at(identity_of(self), [&](Interruption&) {
+    self.envs->reset_some(flags, rows);
+    self.find_outside(rows.data(), self.outside);
+  });
 }
 
 void observe_start(VectorEnvironment& self, const AnyArray& which, const Observations& observations) {

@@ -47,6 +47,50 @@ def served(tmp_path, monkeypatch):
     return write
 
 
+HANG = "if self.now.v_WB[2] < -0.5: import time; open(__file__ + '.hangs', 'w'); time.sleep(1000)"
+WAITS = {
+    "world": "crossgait.World('serial_quadruped', engine=engine).step([0.0] * 12, 10**6)",
+    "walk": "crossgait.walk('trot', robot='serial_quadruped', engine=engine, seconds=60)",
+    "environments": """
+from crossgait import _core
+import numpy as np
+envs = _core.VectorEnvironment(_core.EnvironmentConfig.parse("{robot: serial_quadruped}"), 4, engine=engine, workers=2)
+envs.reset(1)
+while True:
+    envs.step(np.zeros((4, len(envs.action_layout))))
+""",
+}
+
+
+@pytest.mark.parametrize("what", WAITS)
+def test_an_engine_that_hangs_can_be_interrupted(served, what, monkeypatch):
+    monkeypatch.setenv("CROSSGAIT_ENGINE_TIMEOUT", "3600")
+    program = f"""
+import os, signal, threading, time, crossgait
+signal.signal(signal.SIGINT, signal.default_int_handler)  # also where a shell has it ignored
+engine, begin = {served(fault=HANG)!r}, []
+
+def interrupt():
+    while not os.path.exists(engine.removeprefix("python:") + ".hangs"):
+        time.sleep(0.01)
+    begin.append(time.monotonic())
+    os.kill(os.getpid(), signal.SIGINT)
+
+threading.Thread(target=interrupt, daemon=True).start()
+try:
+    {WAITS[what].strip().replace(chr(10), chr(10) + "    ")}
+except KeyboardInterrupt:
+    print(time.monotonic() - begin[0])
+print(crossgait.walk("trot", seconds=.1).outcome, time.monotonic() - begin[0])
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=300, check=False)
+    assert len(done.stderr.splitlines()) == 1, done.stderr  # that the file runs
+    seconds, outcome, next_one = done.stdout.split()
+    assert float(seconds) < 20  # 1 s on an idle machine
+    assert float(next_one) < 40
+    assert outcome == "walked"
+
+
 def test_a_class_of_three_methods_is_an_engine(served):
     world = crossgait.World("serial_quadruped", engine=served())
     z, h = world.state.p_WB[2], world.physics_dt

@@ -16,7 +16,10 @@
 #include <unistd.h>
 
 #include "backends/served_memory.h"
+#include "physics/core/interruption.h"
+#include "physics/core/progress.h"
 #include "physics/core/served_process.h"
+#include "physics/core/worker_pool.h"
 #include "physics/engine/lost_engine.h"
 #include "scenes/robots.h"
 #include "scenes/scenes.h"
@@ -148,6 +151,36 @@ TEST_F(ServedEngines, WhatHangsIsAClearErrorInTime) {
           {"step", "hang", "within 0.5 s (CROSSGAIT_ENGINE_TIMEOUT sets it), found none"},
       },
       kShortLimit);
+}
+
+// The limit is far: only who gives up sooner comes back within it.
+TEST_F(ServedEngines, WhoIsToEndWaitsNoLongerForWhatHangs) {
+  const auto engine = find_served_engine("python:" + file_of("step", "hang"));
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    const Interruptible caller([] { return true; });
+    const auto world = engine->make(scenes::world_of(scenes::sled()));
+    EXPECT_EQ(world->step({}), StepStatus::kDiverged);
+    EXPECT_THROW(throw_if_lost(*world), Interrupted);
+  }
+  {
+    // Whoever works for others has them asked, on their own thread, though they wait for it.
+    const std::thread::id here = std::this_thread::get_id();
+    bool elsewhere = false;
+    const Interruptible caller([&] { return elsewhere |= std::this_thread::get_id() != here, true; });
+    WorkerPool pool(2);
+    EXPECT_THROW(pool.run(2,
+                          [&](std::size_t) {
+                            const auto world = engine->make(scenes::world_of(scenes::sled()));
+                            if (world->step({}) != StepStatus::kOk) throw_if_lost(*world);
+                          }),
+                 Interrupted);
+    EXPECT_FALSE(elsewhere);
+  }
+  interruption_is_asked = true;
+  EXPECT_THROW(run(file_of("mass_matrix", "hang")), Interrupted);
+  interruption_is_asked = false;
+  EXPECT_LT(Seconds(std::chrono::steady_clock::now() - begin).count(), kLimit);
 }
 
 TEST_F(ServedEngines, AStateThatIsNotFiniteIsADivergenceAsOfAnyEngine) {
