@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdio>
+#include <optional>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -19,6 +20,14 @@
 #include "study/robot_quantities.h"
 
 namespace crossgait::apps {
+
+CLI::Validator above_zero() {
+  const auto check = [](const std::string& text) {
+    const std::optional<double> number = parse_number(text);
+    return number && *number > 0 ? std::string() : fmt::format("expected a number above 0, found {}", text);
+  };
+  return {check, "POSITIVE"};
+}
 
 void print_notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) print_error(fmt::format("crossgait: note: {}\n", note));

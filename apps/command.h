@@ -57,6 +57,9 @@ struct RequirementMissed : std::runtime_error {
   int exit_code;
 };
 
+/// Takes numbers above 0. (CLI11's own writes out the largest of its range, in 309 digits.)
+CLI::Validator above_zero();
+
 /// Says on standard error what the user may want to know of what was asked for.
 void print_notes(const std::vector<std::string>& notes);
 

@@ -192,16 +192,16 @@ void add_compare_command(CLI::App& program, Invocation& invocation) {
       ->add_option("--position-tolerance", options->compare.tolerances.position,
                    "When two engines count as apart, m (engines with the same contact law: 1e-6)")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command
       ->add_option("--joint-tolerance", options->compare.tolerances.joint, "The same for joint angles, rad")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command
       ->add_option("--attitude-tolerance", options->compare.tolerances.attitude,
                    "The same for orientation, rad")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   add_output_option(*command, "--trace", options->trace,
                     "Write one CSV per engine: FILE.csv becomes FILE.<engine>.csv");
   options->page.add_to(*command);

@@ -22,6 +22,7 @@
 #include "physics/core/consent.h"
 #include "physics/core/error.h"
 #include "physics/core/progress.h"
+#include "physics/core/utf8.h"
 #include "study/version.h"
 
 namespace crossgait::apps {
@@ -38,11 +39,8 @@ int report_error(const std::string& what, int code) {
 // Results name what they were made of, in JSON, which is UTF-8; better said now than when the work is done.
 void check_text(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
-    try {
-      static_cast<void>(nlohmann::json(argument).dump());
-    } catch (const nlohmann::json::exception&) {
+    if (utf8_length(argument) < argument.size())
       throw ConfigError("command line", "arguments", "text and names of files in UTF-8", argument);
-    }
   }
 }
 

@@ -207,7 +207,7 @@ void add_terrain_command(CLI::App& program, Invocation& invocation) {
   command->add_option("--ring", options->ring, "Eight heights around a robot that stands there")
       ->type_name("X,Y,YAW");
   command->add_option("--cell", options->cell, "Distance of samples of a FILE.xml or .sdf, m")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   add_output_option(*command, "--png", options->png, "Write the height field as a 16-bit grey picture");
   add_output_option(*command, "--csv", options->csv, "Write the height field as rows of metres");

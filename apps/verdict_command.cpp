@@ -180,16 +180,16 @@ void add_judge_options(CLI::App& command, VerdictCommand& options) {
   command
       .add_option("--offset", starts.position_m,
                   "How far starts lie apart, each way, m; 0.1 for scara_quadruped, by size for others")
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(CLI::Range(0.0, StartRanges::kMostPosition));
   command.add_option("--heading", starts.heading_rad, "How far headings differ, each way, rad")
-      ->check(CLI::Range(0.0, 3.14159))
+      ->check(CLI::Range(0.0, StartRanges::kMostHeading))
       ->capture_default_str();
   command
       .add_option(
           "--push", starts.push_mps,
           "Push in the first second, as a speed of the robot, m/s; 0.02 for scara_quadruped, by size for "
           "others")
-      ->check(CLI::Range(0.0, 10.0));
+      ->check(CLI::Range(0.0, StartRanges::kMostPush));
   add_workers_option(command, verdict.workers);
   add_output_option(
       command, "--runs", options.judge.stored_runs,

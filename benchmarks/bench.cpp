@@ -251,7 +251,7 @@ ordered_json read_bench(const std::string& path) {
     describe_bench(result);
     comparable_figures(result);
   } catch (const ordered_json::exception& error) {
-    throw ConfigError(path, "contents", "the keys of a result of `crossgait bench`", error.what());
+    throw ConfigError(path, "contents", "the keys of a result of `crossgait bench`", json_error_text(error));
   }
   return result;
 }

@@ -19,6 +19,13 @@ void check_interface(const Policy& policy, const QuadrupedEnv& env) {
     throw ConfigError(policy.name(), "layout", "a policy for this environment", difference);
 }
 
+std::vector<OwnRewardTerm> own_terms_of(const QuadrupedEnv& env) {
+  std::vector<OwnRewardTerm> terms;
+  if (env.extension() == nullptr) return terms;
+  for (const std::string& name : env.config().extension->reward_terms) terms.push_back({name, 0});
+  return terms;
+}
+
 }  // namespace
 
 EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed,
@@ -30,6 +37,7 @@ EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed
   env.forget();  // an episode follows from its seed alone, whoever had which before
   env.reset(seed, observation);
   policy.reset(derived_seed(seed, kPolicyStream));
+  s.own_reward_terms = own_terms_of(env);
   StepResult result;
   while (!result.done()) {
     policy.act(observation, action);
@@ -38,6 +46,8 @@ EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed
     ++s.steps;
     s.total_reward += result.reward;
     for (std::size_t i = 0; i < s.reward_terms.size(); ++i) s.reward_terms[i] += info.reward_terms[i];
+    for (std::size_t i = 0; i < s.own_reward_terms.size(); ++i)
+      s.own_reward_terms[i].sum += env.extension()->reward_terms()[i];
     s.invalid_actions += info.invalid_actions;
     if (observer && !observer(env)) break;
   }
@@ -91,9 +101,13 @@ Evaluation sum_up(const std::vector<EpisodeSummary>& episodes) {
   }
   all.total_reward = mean_and_deviation(rewards);
   all.motion = MotionAverages(motions);
+  for (const OwnRewardTerm& term : episodes.front().own_reward_terms)
+    all.own_reward_terms.push_back({term.name, 0});
   for (const EpisodeSummary& e : episodes) {
     for (std::size_t i = 0; i < all.reward_terms.size(); ++i)
       all.reward_terms[i] += e.reward_terms[i] / static_cast<double>(episodes.size());
+    for (std::size_t i = 0; i < all.own_reward_terms.size(); ++i)
+      all.own_reward_terms[i].sum += e.own_reward_terms[i].sum / static_cast<double>(episodes.size());
     all.simulated_seconds += e.motion.simulated_seconds;
     all.steps += e.steps;
     all.invalid_actions += e.invalid_actions;

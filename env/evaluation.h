@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "env/clipped_actions.h"
@@ -13,12 +14,19 @@
 
 namespace crossgait {
 
+/// Holds what a reward term of the user's own (EnvExtension) comes to.
+struct OwnRewardTerm {
+  std::string name;
+  double sum = 0;  ///< weighted, of one episode; of several the mean
+};
+
 /// Sums up one episode.
 struct EpisodeSummary {
   std::uint64_t seed = 0;
   MotionSummary motion;
   double total_reward = 0;
   RewardTerms reward_terms{};  ///< sums, weighted
+  std::vector<OwnRewardTerm> own_reward_terms;
   std::int64_t steps = 0, invalid_actions = 0;
   ClippedActions clipped_actions;
   std::optional<GaitParameters> parameters;  ///< at the end, where actions adapt a gait
@@ -47,7 +55,8 @@ struct Evaluation {
   std::size_t episodes = 0;
   MeanAndDeviation total_reward;
   MotionAverages motion;
-  RewardTerms reward_terms{};                   ///< means of the sums
+  RewardTerms reward_terms{};  ///< means of the sums
+  std::vector<OwnRewardTerm> own_reward_terms;
   double simulated_seconds = 0;                 ///< sum
   std::int64_t steps = 0, invalid_actions = 0;  ///< sums
   ClippedActions clipped_actions;

@@ -318,7 +318,7 @@ void QuadrupedEnv::apply_wrench(const BodyWrench& wrench) {
 }
 
 void QuadrupedEnv::set_changes(std::vector<QuantityChange> changes) {
-  require_begun("set_changes");
+  require_begun("parameters");
   require_under_way(changes, kSource);
   auto world = make_world(changed(base_world_, changes));
   world->restore(world_->save());

@@ -23,6 +23,9 @@ struct Statistic {
 
 /// Says how far apart the starts of a verdict lie. Each start draws uniformly, the same in every engine.
 struct StartRanges {
+  /// What may be asked for: m, rad and m/s.
+  static constexpr double kMostPosition = 100, kMostHeading = 3.14159, kMostPush = 10;
+
   /// Each way along x and y; empty: 0.1 m of the reference robot, by size (gait/scale.h).
   std::optional<double> position_m = {};
   double heading_rad = 0.2;  ///< each way

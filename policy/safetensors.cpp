@@ -117,7 +117,7 @@ class HeaderReader {
     try {
       return ordered_json::parse(header_, check);
     } catch (const ordered_json::exception& error) {
-      fail("header", "valid JSON", error.what());
+      fail("header", "valid JSON", json_error_text(error));
     }
   }
 
@@ -234,7 +234,7 @@ void write_safetensors(const std::string& path, const TensorFile& file) {
   try {
     text = header.dump();
   } catch (const ordered_json::exception& error) {
-    throw ConfigError(path, "names and metadata", "UTF-8", error.what());
+    throw ConfigError(path, "names and metadata", "UTF-8", json_error_text(error));
   }
   text.resize((text.size() + kLengthSize - 1) / kLengthSize * kLengthSize, ' ');  // keeps the data aligned
   std::string bytes;

@@ -23,11 +23,12 @@ ordered_json to_json(const std::optional<MeanAndDeviation>& m) {
   return m ? to_json(*m) : ordered_json(nullptr);
 }
 
-ordered_json terms_to_json(const RewardTerms& terms) {
+ordered_json terms_to_json(const RewardTerms& terms, const std::vector<OwnRewardTerm>& own) {
   ordered_json json = ordered_json::object();
   for (std::size_t i = 0; i < terms.size(); ++i) {
     if (terms[i] != 0) json[std::string(reward_terms()[i].name)] = terms[i];
   }
+  for (const OwnRewardTerm& term : own) json[term.name] = term.sum;
   return json;
 }
 
@@ -90,7 +91,7 @@ nlohmann::ordered_json to_json(const Evaluation& e) {
                     {"left_terrain", e.count(Outcome::kLeftTerrain)},
                     {"diverged", e.count(Outcome::kDiverged)},
                     {"total_reward", to_json(e.total_reward)},
-                    {"reward_terms", terms_to_json(e.reward_terms)}};
+                    {"reward_terms", terms_to_json(e.reward_terms, e.own_reward_terms)}};
   add_averages(e.motion, OverEpisodes::kMean, json);
   json["simulated_seconds"] = e.simulated_seconds;
   json["steps"] = e.steps;
@@ -107,7 +108,7 @@ nlohmann::ordered_json to_json(const EpisodeSummary& e) {
   }
   ordered_json json{{"seed", e.seed},
                     {"total_reward", e.total_reward},
-                    {"reward_terms", terms_to_json(e.reward_terms)},
+                    {"reward_terms", terms_to_json(e.reward_terms, e.own_reward_terms)},
                     {"steps", e.steps},
                     {"invalid_actions", e.invalid_actions},
                     {"clipped_actions", to_json(e.clipped_actions)}};
@@ -192,6 +193,13 @@ Table table(const Rollout& r) {
   for (std::size_t i = 0; i < r.config.reward.size(); ++i) {
     if (r.config.reward[i] == 0) continue;
     add(fmt::format("  {}", reward_terms()[i].name), [i](const E& e) { return reward(e.reward_terms[i]); });
+  }
+  if (!r.policies.empty()) {
+    const std::vector<OwnRewardTerm>& own = r.policies.front().all.own_reward_terms;
+    for (std::size_t i = 0; i < own.size(); ++i)
+      add(fmt::format("  {}", own[i].name), [i](const E& e) {
+        return i < e.own_reward_terms.size() ? reward(e.own_reward_terms[i].sum) : "-";  // of no episode
+      });
   }
   for (const StatisticRow& row : statistic_rows()) {
     if (row.average.digits)

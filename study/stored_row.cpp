@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
+#include "physics/core/hash.h"
 #include "physics/core/read_budget.h"
 
 namespace crossgait {
@@ -66,7 +68,7 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
   }
   bool parse_error(std::size_t /*at*/, const std::string& /*token*/,
                    const nlohmann::detail::exception& error) override {
-    broken_ = error.what();
+    broken_ = json_error_text(error);
     return false;
   }
 
@@ -84,6 +86,8 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
     result_.run.values.push_back(value);
   }
   bool number(double value) {
+    if (is_field() && !(std::abs(value) <= kLargest))
+      refuse("a number beyond 1e+100, whose square is none any more");
     if (is_field()) {
       if (field_ == "seconds") {
         result_.run.seconds = value;
@@ -115,12 +119,29 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
     return true;
   }
 
+  static constexpr double kLargest = 1e100;  // positions and velocities of a world stay below 1e6
+
   int depth_ = 0;
   bool in_result_ = false, has_result_ = false, has_seconds_ = false, failed_ = false;
   std::string key_, field_, outcome_, broken_, wrong_;
   std::optional<std::uint64_t> hash_;
   RunResult result_;
 };
+
+/// Computes the hash that a row's run has, of its bytes where they are as `stored_run` writes them.
+std::optional<std::uint64_t> hash_of_run(std::string_view line, std::uint64_t expected) {
+  constexpr std::string_view kBegin = R"({"hash":"0123456789abcdef","run":)", kEnd = R"(,"result":)";
+  const std::size_t end = line.rfind(kEnd);
+  if (end != std::string_view::npos && end > kBegin.size()) {
+    const std::string_view run = line.substr(kBegin.size(), end - kBegin.size());
+    if (Fnv1a().add(run).value() == expected) return expected;
+  }
+  const auto row =
+      nlohmann::json::parse(line);  // whose members are in order, as those of a run that is hashed
+  const auto run = row.find("run");
+  if (run == row.end()) return std::nullopt;
+  return Fnv1a().add(run->dump()).value();
+}
 
 }  // namespace
 
@@ -142,6 +163,11 @@ StoredRow read_stored_row(std::string_view line, const std::string& path, std::s
     throw ConfigError(path, place, "a stored run", problem);
   StoredRow row{reader.hash(), {}};
   if (reader.failed()) return row;
+  const std::optional<std::uint64_t> hash = hash_of_run(line, row.hash);
+  if (hash != row.hash)
+    throw ConfigError(path, place + ", hash",
+                      hash ? fmt::format("{:016x}, of its run", *hash) : "that of a run",
+                      hash ? fmt::format("{:016x}: one of them was changed", row.hash) : "no run");
   row.result = reader.take_result();
   row.result->run.outcome =
       find_row(outcome_rows(), reader.outcome(), path, place + ", result.outcome").outcome;

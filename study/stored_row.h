@@ -16,7 +16,8 @@ struct StoredRow {
   std::optional<RunResult> result;  ///< none of a run that failed
 };
 
-/// Reads a line without its end. Its "run" is passed over: it is what the hash is of.
+/// Reads a line without its end. Of its "run" only the hash is looked at, which has to be the row's, however
+/// the row is written since; of a run that failed it may be missing.
 /// @param number  of the line, for errors  @throws ConfigError naming file and line for what is no stored run
 StoredRow read_stored_row(std::string_view line, const std::string& path, std::size_t number);
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "physics/core/utf8.h"
+
 namespace crossgait {
 namespace {
 
@@ -20,15 +22,12 @@ bool turns_direction(std::string_view character) {
 /// character (of C0 or C1, or delete), since some terminals take U+009B for the beginning of a command, or
 /// with one that turns the direction of text.
 std::size_t printable(std::string_view text) {
+  const std::size_t length = utf8_character(text);
+  if (length == 0) return 0;
   const auto lead = static_cast<unsigned char>(text.front());
-  if (lead < 0x80) return (lead < 0x20 && lead != '\n' && lead != '\t') || lead == 0x7f ? 0 : 1;
-  if (lead < 0xC2 || lead > 0xF4) return 0;
-  if (lead == 0xC2 && text.size() > 1 && static_cast<unsigned char>(text[1]) < 0xA0) return 0;
-  const std::size_t length = lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
-  const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
-  const std::string_view rest = text.substr(1, length - 1);
-  const bool is_whole = rest.size() == length - 1 && std::all_of(rest.begin(), rest.end(), continues);
-  return is_whole && !turns_direction(text.substr(0, length)) ? length : 0;
+  const bool is_control = length == 1 ? (lead < 0x20 && lead != '\n' && lead != '\t') || lead == 0x7f
+                                      : lead == 0xC2 && static_cast<unsigned char>(text[1]) < 0xA0;
+  return is_control || turns_direction(text.substr(0, length)) ? 0 : length;
 }
 
 // Where it is: of a name with an end of line in it, two lines would look like two errors.

@@ -130,6 +130,13 @@ std::optional<std::uint64_t> parse_seed(std::string_view text) noexcept {
   return value;
 }
 
+std::string_view json_error_text(const std::exception& error) noexcept {
+  constexpr std::string_view kName = "[json.exception.", kEnd = "] ";
+  const std::string_view text = error.what();
+  const std::size_t end = text.find(kEnd);
+  return text.starts_with(kName) && end != std::string_view::npos ? text.substr(end + kEnd.size()) : text;
+}
+
 std::string in_small_letters(std::string_view text) {
   std::string out(text);
   std::ranges::transform(out, out.begin(), small_letter);

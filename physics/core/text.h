@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,6 +35,9 @@ std::optional<double> parse_number(std::string_view text) noexcept;
 std::optional<std::uint64_t> parse_seed(std::string_view text) noexcept;
 /// What `parse_seed` takes, in words that follow "expected ".
 inline constexpr std::string_view kSeedInWords = "a whole number from 0 to 18446744073709551615";
+
+/// Returns what the JSON library says of an error, without the name of its exception.
+std::string_view json_error_text(const std::exception& error) noexcept;
 
 /// Returns text with the letters A to Z small; all else as it is.
 std::string in_small_letters(std::string_view text);

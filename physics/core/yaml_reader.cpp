@@ -20,7 +20,7 @@ using Kind = YamlNode::Kind;
 
 std::string describe(const YamlNode& node) {
   if (node.kind == Kind::kMap) return "a mapping";
-  if (node.kind == Kind::kSequence) return fmt::format("a sequence of {}", node.items.size());
+  if (node.kind == Kind::kSequence) return fmt::format("a list of {}", node.items.size());
   if (node.kind == Kind::kScalar) return fmt::format("'{}'", node.scalar);
   return "nothing";
 }
@@ -88,7 +88,7 @@ bool YamlValue::is_mapping() const noexcept { return node_->kind == Kind::kMap; 
 bool YamlValue::is_sequence() const noexcept { return node_->kind == Kind::kSequence; }
 
 std::vector<YamlValue> YamlValue::items() const {
-  if (node_->kind != Kind::kSequence) fail("a sequence", describe(*node_));
+  if (node_->kind != Kind::kSequence) fail("a list", describe(*node_));
   std::vector<YamlValue> result;
   for (std::size_t i = 0; i < node_->items.size(); ++i) {
     result.push_back(child(node_->items[i], fmt::format("[{}]", i), node_->items[i]->line));
@@ -134,7 +134,7 @@ std::string YamlValue::text() const { return scalar("text"); }
 
 Vector3 YamlValue::vector3() const {
   if (node_->kind != Kind::kSequence || node_->items.size() != 3)
-    fail("a sequence of 3 numbers", describe(*node_));
+    fail("a list of 3 numbers", describe(*node_));
   const std::vector<YamlValue> elements = items();
   return {elements[0].number(), elements[1].number(), elements[2].number()};
 }

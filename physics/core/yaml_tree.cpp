@@ -12,6 +12,7 @@
 #include "physics/core/error.h"
 #include "physics/core/read_budget.h"
 #include "physics/core/undivided.h"
+#include "physics/core/utf8.h"
 
 namespace crossgait {
 namespace {
@@ -112,29 +113,6 @@ class TreeMaker : public YAML::EventHandler {
   std::map<YAML::anchor_t, std::shared_ptr<YamlNode>> anchors_;
   std::size_t values_ = 0;
 };
-
-/// How many bytes at the beginning of a text are whole characters of UTF-8 (RFC 3629).
-std::size_t utf8_length(std::string_view text) noexcept {
-  const auto byte = [text](std::size_t i) {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
-  };
-  std::size_t at = 0;
-  while (at < text.size()) {
-    const unsigned lead = byte(at), second = byte(at + 1);
-    if (lead < 0x80) {
-      ++at;
-      continue;
-    }
-    if (lead < 0xC2 || lead > 0xF4) return at;
-    const std::size_t length = lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
-    for (std::size_t i = 1; i < length; ++i)
-      if ((byte(at + i) & 0xC0U) != 0x80U) return at;
-    const bool is_overlong = (lead == 0xE0 && second < 0xA0) || (lead == 0xF0 && second < 0x90);
-    if (is_overlong || (lead == 0xED && second > 0x9F) || (lead == 0xF4 && second > 0x8F)) return at;
-    at += length;
-  }
-  return at;
-}
 
 /// The parser takes what is no UTF-8 for some other character, which is not what was written. UTF-16 and
 /// UTF-32 begin with a mark, which is no UTF-8 either, and are its to read.

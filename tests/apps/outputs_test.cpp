@@ -116,6 +116,20 @@ TEST(Outputs, StandardOutputIsOneAlone) {
   EXPECT_FALSE(fs::exists("-"));
 }
 
+// The package writes these, by names of its own.
+TEST(Outputs, OfAnImportAreItsFolderToo) {
+  write_file("outputs_network.onnx", "x");
+  fs::create_directory("outputs_import");
+  const std::string import =
+      "import outputs_network.onnx --robot serial_quadruped --out outputs_import --json ";
+  for (const char* file : {"environment.yaml", "outputs_import.onnx", "import.json"})
+    expect_bad_input(import + "./outputs_import/../outputs_import/" + file,
+                     {"--out", "a file of its own", file, "--json"});
+  EXPECT_TRUE(fs::is_empty("outputs_import"));
+  fs::remove("outputs_import");
+  fs::remove("outputs_network.onnx");
+}
+
 TEST(Outputs, OfEachEngineAreFilesToo) {
   if (available_engines().size() < 2) GTEST_SKIP() << "one engine alone";
   const std::string a = available_engines()[0], b = available_engines()[1];
@@ -259,7 +273,7 @@ TEST(Outputs, ShowNoControlCharacters) {
 }
 
 TEST(Interrupted, AWalkKeepsItsTraceAndItsResult) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {  // the last of a terminal that is closed
     const ProgramResult result =
         run_watched("walk" + kEndless + "--trace outputs_walk.csv --json outputs_walk.json", signal, 0.5);
     EXPECT_EQ(result.exit_code, 130) << result.err;

@@ -493,6 +493,8 @@ TEST(ProgramBadInput, WhatIsNoNumberAndWhatIsEmptyAreNamed) {
         "report t.json --out p.html --shortest-contact nan", "video v.mp4 --fps nan"})
     expect_bad_input(command, {});
   expect_bad_input("verdict --push nan", {"--push", "a value", "nan"});
+  for (const char* command : {"terrain --cell -1", "compare --joint-tolerance 0"})
+    expect_bad_input(command, {"expected a number above 0, found"});
   expect_bad_input("walk --speed ''", {"--speed"});
   expect_bad_input("rollout --episode-seconds ''", {"--episode-seconds", "a value"});
 }

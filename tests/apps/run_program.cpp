@@ -79,7 +79,7 @@ ProgramResult run_watched(const std::string& arguments, int signal, double after
   const pid_t child = fork();
   if (child == 0) {
     // Tests run in the background, where SIGINT is ignored, and children would ignore it too.
-    for (const int each : {SIGINT, SIGTERM}) std::signal(each, SIG_DFL);
+    for (const int each : {SIGINT, SIGTERM, SIGHUP}) std::signal(each, SIG_DFL);
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }

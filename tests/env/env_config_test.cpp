@@ -244,7 +244,7 @@ TEST(EnvConfig, ErrorsNameTheLineTheExpectedAndTheFound) {
       {"adapt: [step_height, step_height]\n", {"line 1, adapt", "step_height twice"}},
       {"ranges: {cycle_time: [.8, .15]}\n", {"line 1, ranges.cycle_time", "min < max", "[0.8, 0.15]"}},
       {"ranges: {girth: [0, 1]}\n", {"line 1, ranges.girth", "cycle_time"}},
-      {"ranges: {cycle_time: .5}\n", {"line 1, ranges.cycle_time", "sequence"}},
+      {"ranges: {cycle_time: .5}\n", {"line 1, ranges.cycle_time", "a list"}},
       {"delta_scales: {cycle_time: 0}\n", {"line 1, delta_scales.cycle_time", "above 0"}},
       {"physics_dt: 1e-12\n", {"env.yaml: line 1, physics_dt", "[1e-06, 0.1] s"}},
       {"residual_scale: 1e6\n", {"line 1, residual_scale", "[0, 1] m"}},

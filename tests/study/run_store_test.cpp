@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
 
 #include <unistd.h>
@@ -180,6 +181,50 @@ TEST_F(StoredRuns, ALineThatIsNoRunIsAnErrorThatNamesIt) {
       EXPECT_NE(message.find("runs.jsonl"), std::string::npos) << message;
       EXPECT_NE(message.find("line 2"), std::string::npos) << message;
     }
+  }
+}
+
+// Whoever edits a row by hand, or puts together rows of two files, is told so.
+TEST_F(StoredRuns, WhoseHashIsNotTheirRunsAreAnError) {
+  six(2);
+  const std::vector<std::string> sound = lines();
+  const auto error_of = [this](const std::string& row) {
+    write("runs.jsonl", row + "\n");
+    return std::string(config_error([this] { const RunStore store(file()); }).what());
+  };
+  auto row = nlohmann::ordered_json::parse(sound[0]);
+  row["hash"] = run_hash(run_of(1));
+  const std::string message = error_of(row.dump());
+  EXPECT_NE(message.find("line 1, hash: expected " + run_hash(run_of(0)) + ", of its run, found " +
+                         run_hash(run_of(1))),
+            std::string::npos);
+  row = nlohmann::ordered_json::parse(sound[0]);
+  row["run"]["start"] = 77;
+  EXPECT_NE(error_of(row.dump()).find("one of them was changed"), std::string::npos);
+  row.erase("run");
+  EXPECT_NE(error_of(row.dump()).find("no run"), std::string::npos);
+  // Written by another program, with spaces and members in another order, it is the same run.
+  const auto read = nlohmann::json::parse(sound[0]);
+  std::ostringstream other;
+  other << R"({"result": )" << read["result"] << R"(, "run" : )" << std::setw(1) << read["run"]
+        << R"(, "hash": )" << read["hash"] << "}";
+  std::string in_one_line = other.str();
+  std::replace(in_one_line.begin(), in_one_line.end(), '\n', ' ');
+  write("runs.jsonl", in_one_line + "\n");
+  EXPECT_TRUE(RunStore(file()).find(to_json(run_of(0))));
+}
+
+// Means and variances of such numbers would be infinite.
+TEST_F(StoredRuns, BeyondAnyWalkAreAnError) {
+  six(1);
+  for (const double value : {1e101, -1e308}) {
+    auto row = nlohmann::ordered_json::parse(lines().front());
+    row["result"]["distance"] = value;
+    write("runs.jsonl", row.dump() + "\n");
+    EXPECT_EQ(config_error([this] { const RunStore store(file()); }).found().substr(0, 48),
+              "result.distance: a number beyond 1e+100, whose s");
+    row["result"]["distance"] = 0.1;
+    write("runs.jsonl", row.dump() + "\n");
   }
 }
 

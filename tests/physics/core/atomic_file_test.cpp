@@ -148,6 +148,26 @@ TEST_F(AtomicFile, ReplacesNoFileThatSomebodyIsWriting) {
   EXPECT_EQ(read(path("store")), "rows");
 }
 
+// The system's lock is of the open file, which a fork has as well.
+TEST_F(AtomicFile, AStoreThatIsClosedIsFreeThoughAForkOfItsProcessLives) {
+  pid_t fork_of_it = -1;
+  {
+    LockedFile store(path("store"));
+    store.append("row");
+    fork_of_it = ::fork();
+    if (fork_of_it == 0) {
+      ::pause();
+      ::_exit(0);
+    }
+    ASSERT_GT(fork_of_it, 0);
+    EXPECT_THROW(LockedFile(path("store")), ConfigError) << "it is being written";
+  }
+  EXPECT_NO_THROW(LockedFile(path("store")).append("s"));
+  ::kill(fork_of_it, SIGKILL);
+  ::waitpid(fork_of_it, nullptr, 0);
+  EXPECT_EQ(read(path("store")), "rows");
+}
+
 TEST_F(AtomicFile, WritesWhatALinkLeadsTo) {
   std::filesystem::create_directory(path("folder"));
   write("folder/file", "old");

@@ -20,11 +20,11 @@ TEST(ChildProcess, KeepsWhatItSays) {
 
 TEST(ChildProcess, IsHandedSignalsOn) {
   static int raised;
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     raised = 0;
     const auto before = std::signal(signal, [](int number) { raised = number; });
     // It ends by the signal of its parent, which nobody sends to it.
-    const std::string name = signal == SIGINT ? "INT" : "TERM";
+    const std::string name = signal == SIGINT ? "INT" : signal == SIGTERM ? "TERM" : "HUP";
     const auto done =
         run_child({"bash", "-c", "trap 'exit 7' " + name + "; kill -" + name + " $PPID; sleep 20 & wait"},
                   ChildErrors::kShown, std::nullopt, ChildSignals::kHandedOn);

@@ -122,6 +122,9 @@ TEST(ConfigErrors, QuoteWhatIsNoTextByItsBytes) {
   EXPECT_EQ(quoted("\xc3("), "\\xc3(") << "not continued";
   EXPECT_EQ(quoted("half \xe2\x82"), "half \\xe2\\x82") << "cut off";
   EXPECT_EQ(quoted("\x80"), "\\x80") << "nothing to continue";
+  EXPECT_EQ(quoted("\xe0\x80\xaf"), "\\xe0\\x80\\xaf") << "a slash in three";
+  EXPECT_EQ(quoted("\xed\xa0\x80"), "\\xed\\xa0\\x80") << "half of a surrogate pair";
+  EXPECT_EQ(quoted("\xc2"), "\\xc2");
   EXPECT_EQ(quoted("a\u202eb\u2066"), "a\\xe2\\x80\\xaeb\\xe2\\x81\\xa6") << "text that runs backwards";
   EXPECT_EQ(quoted("\u2026"), "\u2026");
 }

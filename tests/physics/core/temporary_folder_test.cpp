@@ -7,6 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "physics/core/error.h"
+#include "tests/physics/core/config_error.h"
 #include "tests/physics/core/scratch_folder.h"
 
 namespace crossgait {
@@ -70,6 +72,14 @@ TEST_F(TemporaryFolders, OfLivingProgramsStay) {
   const TemporaryFolder third("test");
   EXPECT_EQ(count(), 3U);
   EXPECT_EQ(read(first.file("x")), "mine");
+}
+
+TEST_F(TemporaryFolders, NeedAPlaceThatIsThere) {
+  setenv("TMPDIR", (folder_ / "gone").c_str(), 1);
+  const ConfigError error = config_error([] { const TemporaryFolder folder("video"); });
+  EXPECT_EQ(error.source(), "video");
+  EXPECT_EQ(error.element(), "TMPDIR");
+  EXPECT_EQ(error.found(), (folder_ / "gone").string());
 }
 
 TEST_F(TemporaryFolders, NothingElseIsRemovedAndNoLinkFollowed) {

@@ -67,7 +67,7 @@ const BadYaml kBadYaml[] = {
     {"DuplicateKeyInList", "a: [{b: 1, b: 2}]\n", kNothing,
      "test.yaml: line 1, a[0].b: expected each key once, found a duplicate key"},
     {"NameAsMapping", "a: 1\n[1, 2]: 3\n", kNothing,
-     "test.yaml: top level: expected keys that are plain names, found a sequence of 2"},
+     "test.yaml: top level: expected keys that are plain names, found a list of 2"},
     {"UnknownKey", "a: 1\nd: 2\n",
      [](const YamlValue& v) {
        v.allow_keys({"a", "b"});
@@ -78,7 +78,7 @@ const BadYaml kBadYaml[] = {
     {"MappingWanted", "a: 1\n", [](const YamlValue& v) { v.at("a").at("c"); },
      "test.yaml: line 1, a: expected a mapping, found '1'"},
     {"SequenceWanted", "a: 1\n", [](const YamlValue& v) { v.at("a").items(); },
-     "test.yaml: line 1, a: expected a sequence, found '1'"},
+     "test.yaml: line 1, a: expected a list, found '1'"},
     {"NotANumber", "a: fast\n", [](const YamlValue& v) { v.at("a").number(); },
      "test.yaml: line 1, a: expected a finite number, found 'fast'"},
     {"TrailingText", "a: 1.5m\n", [](const YamlValue& v) { v.at("a").number(); },
@@ -102,9 +102,9 @@ const BadYaml kBadYaml[] = {
     {"NotABoolean", "a: yes\n", [](const YamlValue& v) { v.at("a").boolean(); },
      "test.yaml: line 1, a: expected true or false, found 'yes'"},
     {"NotText", "a: [x]\n", [](const YamlValue& v) { v.at("a").text(); },
-     "test.yaml: line 1, a: expected text, found a sequence of 1"},
+     "test.yaml: line 1, a: expected text, found a list of 1"},
     {"WrongSize", "a: [1, 2]\n", [](const YamlValue& v) { v.at("a").vector3(); },
-     "test.yaml: line 1, a: expected a sequence of 3 numbers, found a sequence of 2"},
+     "test.yaml: line 1, a: expected a list of 3 numbers, found a list of 2"},
     {"BadElement", "a: [1, 2, x]\n", [](const YamlValue& v) { v.at("a").vector3(); },
      "test.yaml: line 1, a[2]: expected a finite number, found 'x'"},
 };

@@ -329,7 +329,7 @@ const BadInput kBadYamls[] = {
     {"UnknownLoopLink", "link_a: FR_lower_left", "link_a: FR_shin", "loops[1].link_a",
      "a link of the robot's file", "'FR_shin'"},
     {"ShortLoopPoint", "point_a: [0, 0, -0.06]", "point_a: [0, -0.06]", "loops[0].point_a", "3 numbers",
-     "a sequence of 2"},
+     "a list of 2"},
     {"LoopOnOneLink", "link_b: FL_lower_right", "link_b: FL_foot", "legs.FL",
      "a loop between the two lower links", "none"},
     {"DuplicateLoop", "name: FR_tip", "name: FL_tip", "loop 'FL_tip'", "a unique name", "second"},
