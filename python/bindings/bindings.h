@@ -12,6 +12,7 @@ void bind_errors(nb::module_& m);
 void bind_engines(nb::module_& m);
 void bind_robot(nb::module_& m);
 void bind_terrain(nb::module_& m);
+void bind_contacts(nb::module_& m);
 void bind_world(nb::module_& m);
 void bind_kinematics(nb::module_& m);
 void bind_gait(nb::module_& m);

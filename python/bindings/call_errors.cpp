@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/string_view.h>
 
 #include "python/bindings/bindings.h"
 

@@ -23,6 +23,16 @@ constexpr int kMostLevels = 32;  // as files of environments have
 
 std::string json_text(nb::handle value, int level = 0);
 
+// Python's have as many digits as they like.
+std::string whole_number(nb::handle value) {
+  constexpr std::size_t kMostBits = 1024;  // of double's largest
+  const auto bits = nb::cast<std::size_t>(value.attr("bit_length")());
+  if (bits > kMostBits)
+    throw ConfigError("environment", "keys", "numbers below 1.8e308",
+                      fmt::format("a whole one of {} bits", bits));
+  return nb::str(value).c_str();
+}
+
 // What stands for a ground or a robot is looked at first: the core would take a number for a name.
 std::string value_text(const std::string& name, nb::handle value, int level) {
   if (name == "terrain" && !value.is_none()) return nlohmann::json(terrain_text(value, "environment")).dump();
@@ -38,7 +48,7 @@ std::string mapping_text(nb::handle mapping, int level) {
   const auto keys = nb::borrow<nb::dict>(nb::module_::import_("builtins").attr("dict")(mapping));
   for (const auto& [key, value] : keys) {
     text += text.empty() ? "" : ", ";
-    const std::string name = nb::str(key).c_str();
+    const std::string name = text_of(nb::str(key), "environment", "key");
     text += nlohmann::json(name).dump() + ": " + value_text(name, value, level);
   }
   return "{" + text + "}";
@@ -51,12 +61,13 @@ std::string list_text(nb::handle list, int level) {
 }
 
 // NumPy's numbers of fewer digits than Python's have those that they were written with: 0.02 of float32 is
-// 0.02.
+// 0.02. Those of more become Python's.
 nb::object as_written(nb::handle numbers) {
   const nb::object dtype = nb::getattr(numbers, "dtype", nb::none());
   if (dtype.is_none() || nb::cast<std::string>(nb::str(dtype.attr("kind"))) != "f" ||
-      nb::cast<int>(dtype.attr("itemsize")) >= 8)
+      nb::cast<int>(dtype.attr("itemsize")) == 8)
     return nb::borrow(numbers);
+  if (nb::cast<int>(dtype.attr("itemsize")) > 8) return numbers.attr("astype")("float64");
   return numbers.attr("astype")("str").attr("astype")("float64");
 }
 
@@ -68,8 +79,8 @@ std::string json_text(nb::handle value, int level) {
   if (value.is_none()) return "null";
   if (nb::isinstance<nb::bool_>(value)) return nb::cast<bool>(value) ? "true" : "false";
   if (nb::isinstance<nb::float_>(value)) return fmt::format("{}", nb::cast<double>(value));
-  if (nb::isinstance<nb::int_>(value)) return nb::str(value).c_str();
-  if (nb::isinstance<nb::str>(value)) return nlohmann::json(nb::cast<std::string>(value)).dump();
+  if (nb::isinstance<nb::int_>(value)) return whole_number(value);
+  if (nb::isinstance<nb::str>(value)) return nlohmann::json(text_of(value, "environment", "text")).dump();
   if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) return list_text(value, level + 1);
   if (nb::hasattr(value, "keys")) return mapping_text(value, level + 1);
   if (nb::isinstance<Terrain>(value)) return nlohmann::json(terrain_text(value, "terrain")).dump();
@@ -105,7 +116,7 @@ EnvConfig of_keys(nb::handle keys, const Read& read) {
 }
 
 EnvConfig parsed(nb::handle keys, const std::string& source) {
-  if (nb::isinstance<nb::str>(keys)) return parse_env_config(nb::cast<std::string>(keys), source);
+  if (nb::isinstance<nb::str>(keys)) return parse_env_config(text_of(keys, source, "text"), source);
   return of_keys(keys, [&](const std::string& text) { return parse_env_config(text, source); });
 }
 
@@ -117,7 +128,7 @@ EnvConfig updated(const EnvConfig& config, nb::handle changes, const std::string
   EnvConfig result = config;
   if (!nb::isinstance<nb::str>(changes)) {
     result = change(config, changes);
-  } else if (const auto text = nb::cast<std::string>(changes); !text.empty()) {
+  } else if (const auto text = text_of(changes, source, "text"); !text.empty()) {
     result = override_env_config(config, text, source);
   }
   const nb::dict said = given(keys);

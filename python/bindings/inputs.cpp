@@ -13,6 +13,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/hash.h"
+#include "physics/core/utf8.h"
 
 namespace crossgait::python {
 namespace {
@@ -22,9 +23,21 @@ namespace nb = nanobind;
 
 // A str or an os.PathLike.
 std::optional<std::string> path_text(nb::handle value) {
-  if (nb::isinstance<nb::str>(value)) return nb::cast<std::string>(value);
-  if (nb::hasattr(value, "__fspath__")) return nb::cast<fs::path>(value).string();
-  return std::nullopt;
+  if (!nb::isinstance<nb::str>(value) && !nb::hasattr(value, "__fspath__")) return std::nullopt;
+  // As the system has it: names of files need be no text.
+  try {
+    const nb::object bytes = nb::module_::import_("os").attr("fsencode")(value);
+    return std::string(nb::borrow<nb::bytes>(bytes).c_str(), nb::len(bytes));
+  } catch (nb::python_error& error) {
+    if (!error.matches(PyExc_UnicodeError)) throw;
+    throw ConfigError("input", "name", "a name that a file can have", nb::repr(value).c_str());
+  }
+}
+
+// What results say that they are of: they are JSON.
+std::string in_utf8(const std::string& name, const std::string& source, const std::string& element) {
+  if (utf8_length(name) < name.size()) throw ConfigError(source, element, "a name in UTF-8", name);
+  return name;
 }
 
 fs::path cache_folder() {
@@ -60,6 +73,14 @@ const Terrain& known_terrain(nb::handle value, const std::string& source) {
 
 }  // namespace
 
+std::string text_of(nb::handle text, const std::string& source, const std::string& element) {
+  Py_ssize_t size = 0;
+  const char* bytes = PyUnicode_AsUTF8AndSize(text.ptr(), &size);
+  if (bytes != nullptr) return {bytes, static_cast<std::size_t>(size)};
+  PyErr_Clear();
+  throw ConfigError(source, element, "text that UTF-8 has bytes for", nb::repr(text).c_str());
+}
+
 std::string type_called(nb::handle value) { return nb::cast<std::string>(value.type().attr("__name__")); }
 
 std::string terrain_file(const Terrain& terrain) {
@@ -80,7 +101,7 @@ std::string terrain_file(const Terrain& terrain) {
 }
 
 std::string terrain_text(nb::handle value, const std::string& source) {
-  if (const auto text = path_text(value)) return *text;
+  if (const auto text = path_text(value)) return in_utf8(*text, source, "terrain");
   const Terrain& terrain = known_terrain(value, source);
   return terrain.field() == nullptr ? "flat" : terrain_file(terrain);
 }
@@ -97,7 +118,7 @@ Robot robot_of(nb::handle value, const std::string& source) {
 
 std::string robot_text(nb::handle value, const std::string& source) {
   const auto text = path_text(value);
-  return text ? *text : known_robot(value, source).from;
+  return in_utf8(text ? *text : known_robot(value, source).from, source, "robot");
 }
 
 }  // namespace crossgait::python

@@ -12,11 +12,15 @@
 namespace crossgait::python {
 
 /// Returns the text of a terrain: of a name or a file itself; of a `Terrain`, "flat" or the file of its
-/// heights (`terrain_file`). @throws ConfigError naming `source` for anything else
+/// heights (`terrain_file`). For results and environments, which are UTF-8. @throws ConfigError naming
+/// `source` for anything else
 std::string terrain_text(nanobind::handle value, const std::string& source);
 
 /// Returns the name or file of a robot, or of a `Robot`. @throws ConfigError likewise
 std::string robot_text(nanobind::handle value, const std::string& source);
+
+/// Returns a str as UTF-8. @throws ConfigError naming `source` and `element` for one that has no such bytes
+std::string text_of(nanobind::handle text, const std::string& source, const std::string& element);
 
 /// Returns the name of a value's type, for errors about it.
 std::string type_called(nanobind::handle value);

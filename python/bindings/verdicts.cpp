@@ -112,7 +112,6 @@ Pair judge(const EnvConfig& environment, const PolicyChoice& policy, const Start
 // What it is made of: position_m, heading_rad, push_mps.
 using RangesState = std::tuple<std::optional<double>, double, std::optional<double>>;
 
-// As the command's options (apps/verdict_command.cpp).
 void check_range(const char* name, double value, double most) {
   if (!(value >= 0 && value <= most))
     throw ConfigError("StartRanges", name, fmt::format("0 to {:g}", most), fmt::format("{}", value));
@@ -134,9 +133,9 @@ void bind_verdicts(nb::module_& m) {
           "__init__",
           [](StartRanges* self, std::optional<double> position_m, double heading_rad,
              std::optional<double> push_mps) {
-            check_range("position_m", position_m.value_or(0), 100);
-            check_range("heading_rad", heading_rad, 3.14159);
-            check_range("push_mps", push_mps.value_or(0), 10);
+            check_range("position_m", position_m.value_or(0), StartRanges::kMostPosition);
+            check_range("heading_rad", heading_rad, StartRanges::kMostHeading);
+            check_range("push_mps", push_mps.value_or(0), StartRanges::kMostPush);
             new (self) StartRanges{position_m, heading_rad, StartRanges().tilt_rad, push_mps};
           },
           nb::kw_only(), nb::arg("position_m") = nb::none(),

@@ -185,7 +185,7 @@ PythonWalk walk_of(nb::handle value, const std::string& source) {
   if (!nb::isinstance<nb::str>(value))
     throw ConfigError(source, "walk", "a Walk or the name of a gait", type_called(value));
   WalkArguments named;
-  named.gait = nb::cast<std::string>(value);
+  named.gait = text_of(value, source, "gait");
   return PythonWalk(std::move(named));
 }
 

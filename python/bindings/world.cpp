@@ -67,6 +67,7 @@ std::unique_ptr<PhysicsBackend> make_world(const RobotLike& chosen, const Terrai
   if (friction) asked.set("friction", std::vector{*friction}, "world", "friction");
   spec.contact = resolve_contact(robot.description->contact, asked, "world");
   const nb::gil_scoped_release release;
+  const Interruption interruption;
   auto world = make_world(engine.empty() ? available_engines().front() : engine, spec);
   world->reset();
   return world;
@@ -115,18 +116,12 @@ const char* step(PhysicsBackend& world, const ArrayLike& targets, int substeps) 
   const JointTargets joints{joint_vector(targets, "targets")};
   constexpr int kPiece = 64;  // between looks for a signal
   StepStatus status = StepStatus::kOk;
-  bool interrupted = false;
-  {
-    const Working working(&world);
-    Interruption interruption;
-    for (int left = substeps; left > 0 && status == StepStatus::kOk && !interrupted; left -= kPiece) {
+  work_at(&world, [&](Interruption& interruption) {
+    for (int left = substeps; left > 0 && status == StepStatus::kOk && !interruption.came(); left -= kPiece)
       status = world.step(joints, std::min(left, kPiece));
-      interrupted = interruption.came();
-    }
-  }
+    if (status != StepStatus::kInvalidTargets) world.clear_wrenches();
+  });
   if (status == StepStatus::kDiverged) throw_if_lost(world);
-  if (status != StepStatus::kInvalidTargets) world.clear_wrenches();
-  if (interrupted) throw nb::python_error();
   if (status == StepStatus::kInvalidTargets)
     throw ConfigError(
         "world", "targets", std::to_string(world.robot().actuated_joints().size()) + " finite numbers, rad",
@@ -245,41 +240,6 @@ void bind_state(nb::module_& m) {
         return "<crossgait.State at " + std::to_string(s.time) + " s, base at (" +
                std::to_string(s.p_WB.x()) + ", " + std::to_string(s.p_WB.y()) + ", " +
                std::to_string(s.p_WB.z()) + ") m>";
-      });
-}
-
-void bind_contacts(nb::module_& m) {
-  nb::class_<Contact>(m, "Contact",
-                      "A contact point between the robot and the ground in the last physics step.")
-      .def_ro("body", &Contact::body, "Index into `Robot.bodies`.")
-      .def_ro("leg", &Contact::leg, "0 to 3 for the foot of FL, FR, RL, RR; -1 for anything else.")
-      .def_ro("p_WP", &Contact::p_WP, "m.")
-      .def_ro("normal", &Contact::normal, "Unit vector from the ground to the robot.")
-      .def_ro("distance", &Contact::distance, "m, negative where they overlap.")
-      .def_ro("force", &Contact::force, "On the robot, in W, N.")
-      .def_ro("slip_speed", &Contact::slip_speed, "m/s.")
-      .def("__repr__", [](const Contact& c) {
-        const std::string of =
-            c.leg < 0 ? fmt::format("body {}", c.body) : std::string(name(static_cast<Leg>(c.leg)));
-        return fmt::format("<crossgait.Contact of {} at ({:.4f}, {:.4f}, {:.4f}) m, {:.4g} N, {:.3g} m deep>",
-                           of, c.p_WP.x(), c.p_WP.y(), c.p_WP.z(), c.force.norm(), -c.distance);
-      });
-  nb::class_<FootContact>(m, "FootContact", "All contact points of one foot together.")
-      .def_ro("touching", &FootContact::touching)
-      .def_ro("force", &FootContact::force, "Sum, in W, N.")
-      .def_ro("p_WP", &FootContact::p_WP, "Position of the deepest point, m.")
-      .def_ro("slip_speed", &FootContact::slip_speed, "At the deepest point, m/s.")
-      .def_ro("penetration", &FootContact::penetration, "Penetration of the deepest point, m.")
-      .def("__repr__", [](const FootContact& f) {
-        return f.touching ? fmt::format("<crossgait.FootContact of {:.4g} N, {:.3g} m deep>", f.force.norm(),
-                                        f.penetration)
-                          : std::string("<crossgait.FootContact: none>");
-      });
-  nb::class_<Snapshot>(m, "Snapshot", "A saved instant of a world: restoring it continues bit for bit.")
-      .def_ro("engine_name", &Snapshot::engine_name)
-      .def_ro("state", &Snapshot::state)
-      .def("__repr__", [](const Snapshot& s) {
-        return fmt::format("<crossgait.Snapshot of a world in {} at {:g} s>", s.engine_name, s.state.time);
       });
 }
 

@@ -10,7 +10,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from crossgait.errors import ConfigError
 from crossgait.files import noting_reads
-from crossgait.signatures import check_types, refuse
+from crossgait.signatures import check_types, has_bytes, refuse
 
 #: The least and the most of numbers that say how much is to be done, as the commands have them (docs/limits.md).
 BOUNDS = {
@@ -26,14 +26,21 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
-def _check_numbers(name: str, given: Mapping[str, Any]) -> None:
+#: Those that may name files, whose names need be no text.
+_NAMES = ("subject", "robot", "terrain", "policies", "policy")
+
+
+def _check_values(name: str, given: Mapping[str, Any]) -> None:
     for key, value in given.items():
+        if isinstance(value, str) and key not in _NAMES and not has_bytes(value):
+            raise ConfigError(name, key, "text that UTF-8 has bytes for", repr(value))
         if isinstance(value, float) and math.isnan(value):
             raise ConfigError(name, key, "a number", "nan")
         if key in BOUNDS and isinstance(value, int):
             least, most = BOUNDS[key]
             if not least <= value <= most:
-                raise ConfigError(name, key, f"{least} to {most}", str(value))
+                found = str(value) if abs(value) < 1e18 else f"a number of {value.bit_length()} bits"
+                raise ConfigError(name, key, f"{least} to {most}", found)
 
 
 def checking_arguments(study: Callable[P, R]) -> Callable[P, R]:
@@ -52,7 +59,7 @@ def checking_arguments(study: Callable[P, R]) -> Callable[P, R]:
                 refuse(name, [key], known)
         given = signature.bind(*arguments, **keywords).arguments
         check_types(name, given, known)
-        _check_numbers(name, given)
+        _check_values(name, given)
         with noting_reads() as read:
             result = study(*arguments, **keywords)
         if hasattr(result, "note_inputs"):

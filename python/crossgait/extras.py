@@ -12,5 +12,5 @@ def needed_for(what: str, extra: str) -> Iterator[None]:
     try:
         yield
     except ImportError as error:
-        package = error.name or "more"
+        package = (error.name or "more").partition(".")[0]
         raise ImportError(f"{what} need {package}: pip install 'crossgait[{extra}]'", name=error.name) from error

@@ -133,6 +133,10 @@ class _Call:
     def _out_of_bounds(self, given: dict[str, Any]) -> str:
         """What to say where each argument is of its type: numbers that are negative, lists of another length."""
         for key, value in given.items():
+            if isinstance(value, str) and not has_bytes(value):
+                return f"{self._at(key)}expected text that UTF-8 has bytes for, found {_shown(value)}"
+            if isinstance(value, int) and value.bit_length() > 64:
+                return f"{self._at(key)}expected a number of at most 64 bits, found one of {value.bit_length()} bits"
             if isinstance(value, int) and value < 0:
                 return f"{self._at(key)}expected a number that is not negative, found {_shown(value)}"
         for key, value in given.items():
@@ -141,6 +145,15 @@ class _Call:
                 return f"{self._at(key)}expected {expected} of another length or shape, found {_shown(value)}"
         expected = ", ".join(f"{p.name}: {_plain(p.annotation)}" for p in self._parameters)
         return f"{self._place}expected ({expected}), found {', '.join(map(_shown, given.values())) or 'nothing'}"
+
+
+def has_bytes(text: str) -> bool:
+    """Whether it is no half of a surrogate pair, as Python has it for bytes of names that are no UTF-8."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _plain(annotation: str) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import copy
+import os
 import pickle
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -61,6 +63,57 @@ def world() -> Any:
 def test_what_does_not_fit_is_named(call: Callable[[], Any], message: str) -> None:
     with pytest.raises(TypeError, match=message):
         call()
+
+
+HALF = "a\udc80b"  # of a surrogate pair: what Python makes of bytes in names that are no UTF-8
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: crossgait.World(HALF), r"robot: name: expected one of .* found 'a\\x80b'"),
+        (lambda: crossgait.World("serial_quadruped", terrain=HALF), r"terrain 'a\\x80b': name: expected one of"),
+        (lambda: crossgait.World("serial_quadruped", engine=HALF), r"World\(\): engine: expected text that UTF-8 has"),
+        (lambda: crossgait.World("a\ud800"), r"input: name: expected a name that a file can have, found 'a\\ud800'"),
+        (lambda: crossgait.EnvironmentConfig(robot=HALF), r"environment: robot: expected a name in UTF-8"),
+        (lambda: crossgait.EnvironmentConfig(gait=HALF), r"environment: text: expected text that UTF-8 has bytes for"),
+        (lambda: crossgait.EnvironmentConfig(**{HALF: 1}), r"environment: key: expected text that UTF-8 has bytes for"),
+        (lambda: crossgait.EnvironmentConfig.parse(HALF), r"text: expected text that UTF-8 has bytes for"),
+        (lambda: crossgait.walk(HALF), r"text: expected text that UTF-8 has bytes for"),
+        (lambda: crossgait.walk("trot", engine=HALF), r"walk: engine: expected text that UTF-8 has bytes for"),
+        (lambda: _core.GaitGenerator(HALF), r"gait: expected text that UTF-8 has bytes for"),
+        (
+            lambda: crossgait.walk("trot", seconds=10**400),
+            r"seconds: expected a number of at most 64 bits, found one of",
+        ),
+        (
+            lambda: crossgait.verdict("trot", starts=10**400),
+            r"starts: expected 2 to 10000, found a number of 1329 bits",
+        ),
+        (lambda: crossgait.walk("trot", command={"vx": 10**400}), r"command: expected forward m/s"),
+        (lambda: crossgait.EnvironmentConfig(policy_dt=10**400), r"expected numbers below 1\.8e308, found a whole one"),
+    ],
+)
+def test_what_no_text_and_no_number_can_be_is_named(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises((TypeError, ConfigError), match=message):
+        call()
+
+
+def test_a_robot_whose_name_is_no_text_walks_by_hand_alone(tmp_path: Path) -> None:
+    folder = os.fsdecode(os.fsencode(tmp_path / "robot") + b"\xff")
+    shutil.copytree(Path(crossgait.models_dir()) / "robots/serial_quadruped", folder)
+    file = f"{folder}/robot.yaml"
+    assert crossgait.World(file).step([0.0] * 12) == "ok"
+    for robot in (file, crossgait.Robot.load(file)):
+        with pytest.raises(ConfigError, match=r"robot: expected a name in UTF-8"):  # before the work, not after it
+            crossgait.walk("trot", robot=robot, seconds=1e6)
+        with pytest.raises(ConfigError, match=r"robot: expected a name in UTF-8"):
+            crossgait.EnvironmentConfig(robot=robot)
+
+
+def test_numbers_of_more_digits_than_pythons_are_taken() -> None:
+    config = crossgait.EnvironmentConfig(policy_dt=np.longdouble("0.02"))
+    assert config.to_dict()["policy_dt"] == 0.02
 
 
 def callables_of_the_core() -> Iterator[tuple[str, Any]]:
@@ -146,6 +199,24 @@ def test_states_and_engines_are_pickled() -> None:
     assert np.array_equal(pickle.loads(pickle.dumps(state)).qpos, state.qpos)
     engine = crossgait.engines()[0]
     assert pickle.loads(pickle.dumps(engine)).name == engine.name
+
+
+@pytest.mark.parametrize("engine", crossgait.available_engines())
+def test_contacts_and_snapshots_are_pickled(engine: str) -> None:
+    first, second = (crossgait.World("serial_quadruped", engine=engine) for _ in range(2))
+    targets = first.state.q[:12]
+    first.step(targets, 300)
+    first.apply_wrench("trunk", force=(1.0, 2.0, 3.0))
+    contact, foot = first.contacts[0], first.foot_contacts[0]
+    assert repr(pickle.loads(pickle.dumps(contact))) == repr(contact)
+    assert np.array_equal(pickle.loads(pickle.dumps(contact)).force, contact.force)
+    assert pickle.loads(pickle.dumps(foot)).penetration == foot.penetration
+    second.restore(pickle.loads(pickle.dumps(first.save())))
+    assert len(second.contacts) == len(first.contacts)
+    for world in (first, second):
+        world.step(targets, 100)
+    assert np.array_equal(first.state.qpos, second.state.qpos)
+    assert np.array_equal(first.state.qvel, second.state.qvel)
 
 
 def test_indices_of_a_batch_are_those_of_numpy() -> None:

@@ -55,7 +55,7 @@ def run(arguments: list[str], folder: Path) -> str:
 
 
 # Those that take ten seconds and more; the first two are run in C++ all the same.
-LONG_EXAMPLES = {"03_verdict", "07_your_controller", "09_train_a_policy"}
+LONG_EXAMPLES = {"03_verdict", "07_your_controller", "09_train_a_policy", "11_train_your_reward"}
 
 
 @pytest.mark.parametrize(

@@ -125,6 +125,7 @@ def test_what_the_caller_says_replaces_what_files_say_and_tells(tmp_path, deploy
         ({"actions": {"JointVelocityAction": {}}}, r"actions: expected JointPositionAction alone"),
         ({"observations": {"smell": {"scale": None}}}, r"observations.smell: expected a term that Crossgait has"),
         ({"observations": {"base_ang_vel": {"clip": [-1, 5]}}}, r"clip: expected limits of the same size"),
+        ({"observations": {}}, r"observations: expected at least one term, found none"),
         ({"joint_names": ["a"]}, r"joint names: expected each servo of serial_quadruped once"),
     ],
 )

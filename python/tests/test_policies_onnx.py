@@ -656,6 +656,18 @@ def test_an_initialiser_of_no_known_type(tmp_path):
         Policy.from_onnx(tmp_path / "p.onnx", JOINTS)
 
 
+@pytest.mark.parametrize(("number", "words"), [(7, "INT64"), (65, "type 65, which ONNX has not")])
+def test_an_input_of_no_floating_point_type(tmp_path, number, words):
+    file = OnnxFile()
+    dense(file)
+    file.write(tmp_path / "p.onnx")
+    model = onnx.load(tmp_path / "p.onnx")
+    model.graph.input[0].type.tensor_type.elem_type = number
+    onnx.save(model, tmp_path / "p.onnx")
+    with pytest.raises(crossgait.ConfigError, match=f"expected floating-point numbers, found {words}"):
+        Policy.from_onnx(tmp_path / "p.onnx", JOINTS)
+
+
 def test_a_network_that_is_read_wrongly_is_refused(tmp_path, monkeypatch):
     """The guard behind the reader: here ELU is taken for tanh."""
     from crossgait.policies import expression

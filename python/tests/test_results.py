@@ -132,6 +132,8 @@ except ImportError as error:
         ("walked.to_frame()", "pandas", "frames"),
         ("walked.trace.to_frame()", "pandas", "frames"),
         ("walked.plot()", "matplotlib", "plot"),
+        ("walked.trace.to_video('x.mp4', 'scara_quadruped')", "imageio", "video"),
+        ("walked.trace.to_video('x.mp4', 'scara_quadruped')", "imageio_ffmpeg", "video"),
         ("crossgait.Policy.from_onnx('x.onnx', {})", "onnx", "onnx"),
     ],
 )

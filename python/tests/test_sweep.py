@@ -351,6 +351,9 @@ def test_rows_are_a_table(serial: list[bytes], tmp_path: Path) -> None:
     assert set(table["behaviour.parameters.step_height"]) == {0.02, 0.03}
     first = json.loads(serial[0])
     assert table.loc[first["hash"], "distance_m"] == first["result"]["distance_m"]  # every digit
+    assert table["mean_speed_mps"].to_numpy() == pytest.approx(
+        (table["distance_m"] / table["simulated_seconds"]).to_numpy()
+    )
     assert table["error"].isna().all()
     file.write_bytes(b"")
     assert len(load(file)) == 0

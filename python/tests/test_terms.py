@@ -428,8 +428,15 @@ def test_a_reward_in_five_lines_is_trained_and_judged(tmp_path: Path) -> None:
     assert judged.word
     without = crossgait.with_terms(config, terms.Terms())
     plain = crossgait.rollout(tmp_path / "last.safetensors", without, episodes=1).to_frame()
-    termed = crossgait.rollout(tmp_path / "last.safetensors", config, episodes=1).to_frame()
+    rollout = crossgait.rollout(tmp_path / "last.safetensors", config, episodes=2)
+    termed = rollout.to_frame()
     assert termed["total_reward"].iloc[0] > plain["total_reward"].iloc[0]
+    of_terms = termed[[column for column in termed if column.startswith("reward_terms.")]]
+    assert (termed["reward_terms.calm"] > 0).all()
+    assert of_terms.sum(axis=1).to_numpy() == pytest.approx(termed["total_reward"].to_numpy())
+    mean = rollout.to_dict()["policies"][0]["all"]["reward_terms"]["calm"]
+    assert mean == pytest.approx(termed["reward_terms.calm"].mean())
+    assert "  calm" in str(rollout)
 
 
 def test_a_plan_trains_with_terms_and_evaluates_them(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import subprocess
 import sys
 import time
 import types
@@ -317,6 +318,28 @@ def test_killed_and_resumed_is_never_stopped(finished: Path, tmp_path: Path) -> 
         }
     commands = [json.loads(line) for line in (run / "commands.jsonl").read_text().splitlines()]
     assert len(commands) == 4
+
+
+def test_a_folder_of_somebody_elses_runs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ran = tmp_path / "ran"
+    monitor = tmp_path / "monitor"
+    monitor.write_text(f"#!/bin/sh\ntouch {ran}\n")
+    monitor.chmod(0o755)
+
+    def git(*arguments: str) -> None:
+        subprocess.run(["git", "-C", str(tmp_path), *arguments], check=True, capture_output=True)
+
+    git("init")
+    git("-c", "user.name=a", "-c", "user.email=a@b", "commit", "--allow-empty", "--message", "first")
+    git("config", "core.fsmonitor", str(monitor))
+    git("status")
+    assert ran.exists(), "git itself runs it"
+    ran.unlink()
+    monkeypatch.chdir(tmp_path)
+    told = folder._git()
+    assert told is not None
+    assert told["changed"] == []
+    assert not ran.exists()
 
 
 def test_the_folder_tells_what_was_run(finished: Path) -> None:

@@ -243,7 +243,7 @@ def _say_settings(contract: Contract, settings: Mapping[str, Any]) -> None:
                 contract.say_convention(str(value), place)
         elif key == "observation":
             items = [item if isinstance(item, dict) else {"block": item} for item in value]
-            terms.say_terms(contract, [(item, place) for item in items])
+            terms.say_terms(contract, [(item, place) for item in items], Stated(value, place, key))
         elif key.startswith(("joints.", "servos.")) and isinstance(value, (int, float)) and key not in _SCALARS:
             contract.say(key, {joint: float(value) for joint in contract.robot.servos}, place)
         else:

@@ -107,8 +107,13 @@ def symmetrical(limits: Stated) -> float:
     return high
 
 
-def say_terms(contract: Contract, terms: list[tuple[dict[str, Any], str]]) -> None:
-    """Take in the whole observation, term by term; not beside one that the caller said."""
+def say_terms(contract: Contract, terms: list[tuple[dict[str, Any], str]], stated: Stated) -> None:
+    """Take in the whole observation, term by term; not beside one that the caller said.
+
+    Raises ConfigError of where they are `stated` if there is none.
+    """
+    if not terms:
+        stated.fail("at least one term", "none")
     if contract.is_set("observation") and terms[0][1] != SETTINGS:
         return
     contract.say("observation", [item["block"] for item, _ in terms], terms[0][1])

@@ -31,6 +31,12 @@ FLOATS = {
 }
 
 
+def type_name(number: int) -> str:
+    """What ONNX calls a type of elements, or that it has none of this number."""
+    types = onnx.TensorProto.DataType
+    return str(types.Name(number)) if number in types.values() else f"type {number}, which ONNX has not"
+
+
 @dataclass(frozen=True)
 class Live:
     """A tensor that depends on the observation: its last dimension is `value`, and `rank - 1` of size 1 precede it."""
@@ -198,7 +204,7 @@ def _unchanged(node: Node) -> Live:
 
 def _cast(node: Node) -> Live:
     if node.attributes["to"] not in (*FLOATS, onnx.TensorProto.BFLOAT16):
-        node.place.fail("a floating-point type", onnx.TensorProto.DataType.Name(node.attributes["to"]))
+        node.place.fail("a floating-point type", type_name(node.attributes["to"]))
     return node.live()
 
 

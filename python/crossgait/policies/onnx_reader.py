@@ -17,7 +17,7 @@ from crossgait.layout import Layout
 from crossgait.policies import expression, onnx_budget, onnx_session
 from crossgait.policies.expression import Affine, FloatArray
 from crossgait.policies.network import check_width, to_network
-from crossgait.policies.onnx_operations import FLOATS, OPERATIONS, Live, Node, Value
+from crossgait.policies.onnx_operations import FLOATS, OPERATIONS, Live, Node, Value, type_name
 from crossgait.policies.place import Place
 
 try:
@@ -170,7 +170,7 @@ class _Reader:
         tensor = inputs[0].type.tensor_type
         place = Place(self.source, f"input {inputs[0].name!r}")
         if tensor.elem_type not in FLOATS:
-            place.fail("floating-point numbers", onnx.TensorProto.DataType.Name(tensor.elem_type))
+            place.fail("floating-point numbers", type_name(tensor.elem_type))
         self.dtype = FLOATS[tensor.elem_type]
         self.half = tensor.elem_type in _HALVES
         # Of a dimension that is not given, 0.

@@ -98,7 +98,7 @@ def _velocity(command: Any, study: str) -> tuple[float, float, float]:
             vx, vy, yaw_rate = (float(command.get(name, 0.0)) for name in names)
         else:
             vx, vy, yaw_rate = map(float, command)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         expected = "forward m/s, left m/s, yaw rate rad/s: three numbers, or a mapping of vx, vy, yaw_rate"
         raise ConfigError(study, "command", expected, repr(command)) from None
     return vx, vy, yaw_rate

@@ -137,7 +137,8 @@ def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | N
 
     What was run is in columns named as in the specification (`engine`, `start`, `seed`, `behaviour.gait`,
     `behaviour.robot.name`, `behaviour.parameters.step_height`, `behaviour.environment.friction`), statistics by their
-    keys (`distance_m`), and `error` says why a run has none. A file that is being written can be read.
+    keys (`distance_m`, and `mean_speed_mps` of it and the time), and `error` says why a run has none. A file that is
+    being written can be read.
 
     Args:
         path: the file of rows.
@@ -162,6 +163,8 @@ def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | N
         result = dict(said.get("result", {}))
         if "seconds" in result:
             result["simulated_seconds"] = result.pop("seconds")  # as walks call it; `seconds` is what is asked for
+            if result["simulated_seconds"] > 0 and "distance_m" in result:
+                result["mean_speed_mps"] = result["distance_m"] / result["simulated_seconds"]
         row.update(result)
         row["error"] = said.get("error")
         rows[said["hash"]] = row

@@ -89,7 +89,8 @@ class Plan:
 
     @staticmethod
     def parse(given: Any, source: str = "plan", folder: Path | None = None, changes: Changes = ()) -> Plan:
-        """Of what a file holds; files that it names are found from `folder`. Raises ConfigError."""
+        """Of a file's text, or what it holds; files that it names are found from `folder`. Raises ConfigError."""
+        given = parse_yaml(given, source) if isinstance(given, str) else given
         given = {} if given is None else given
         if not isinstance(given, dict):
             raise ConfigError(source, "file", "a mapping", shown(given))

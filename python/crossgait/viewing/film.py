@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from crossgait.errors import ConfigError
+from crossgait.extras import needed_for
 
 #: Endings of the files that can be written.
 KINDS = (".mp4", ".gif", ".webp")
@@ -81,10 +82,10 @@ def writer(path: Path, frames_per_second: float) -> Any:
 
     H.264, whose pictures have even sides; GIF; or WebP, which is a fraction of a GIF.
     """
-    try:
+    with needed_for("films", "video"):
         import imageio.v2 as imageio
-    except ImportError as error:
-        raise ImportError("films are written with imageio: pip install crossgait[video]") from error
     if path.suffix.lower() in _KEPT:
         return _Pictures(path, frames_per_second)
+    with needed_for("films of this kind", "video"):
+        import imageio_ffmpeg  # type: ignore[import-untyped]  # noqa: F401  # imageio asks for it with the first frame
     return imageio.get_writer(path, fps=frames_per_second, macro_block_size=2)

@@ -101,7 +101,7 @@ def _observations(observations: Stated, contract: Contract) -> None:
             max(history.integer(), 1) if history is not None else 1,
         )
         said.append((item, value.place))
-    terms.say_terms(contract, said)
+    terms.say_terms(contract, said, observations)
     say_isaac_history(contract, observations)
 
 

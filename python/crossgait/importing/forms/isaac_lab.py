@@ -269,7 +269,7 @@ def _observation(root: Stated, contract: Contract) -> None:
     for value in items.values():
         value.read = True
         said.append((_term(value, root, contract, whole), value.place))
-    terms.say_terms(contract, said)
+    terms.say_terms(contract, said, group)
     say_isaac_history(contract, group)
 
 

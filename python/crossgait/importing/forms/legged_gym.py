@@ -109,7 +109,7 @@ def _observation(root: Stated, contract: Contract) -> None:
         if block == "height_scan":
             item["clip_unscaled"] = 1.0
         said.append((item, place))
-    terms.say_terms(contract, said)
+    terms.say_terms(contract, said, root)
 
 
 def _grid(root: Stated) -> tuple[list[float], list[float]]:

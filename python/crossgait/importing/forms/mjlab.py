@@ -49,7 +49,7 @@ def read(root: Stated, contract: Contract, options: Options) -> None:
         if clip is not None:
             one["clip_unscaled"] = clip
         said.append((one, item.place))
-    terms.say_terms(contract, said)
+    terms.say_terms(contract, said, names)
     say_isaac_history(contract, names)
 
 

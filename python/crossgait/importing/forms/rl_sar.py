@@ -115,4 +115,4 @@ def _observation(observations: Stated, body: Stated, contract: Contract) -> None
     for key in (*scales.values(), "num_observations"):
         if (value := body.find(key)) is not None:
             value.skip()
-    terms.say_terms(contract, said)
+    terms.say_terms(contract, said, observations)
