@@ -30,6 +30,12 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=0.7)), None)
 
 
+def meant(name: str, known: Iterable[str], otherwise: str) -> str:
+    """Ask whether the one of `known` was meant that is nearest to a mistyped name; `otherwise` where none is near."""
+    near = nearest(name, known)
+    return f"did you mean '{near}'?" if near else otherwise
+
+
 def unknown_key(source: str, element: str, key: str, known: Iterable[str]) -> ConfigError:
     """Make the error of a key that is none of `known`, with the one that may have been meant."""
     names = list(known)

@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NoReturn
 
-from crossgait.errors import nearest
+from crossgait.errors import meant
 
 _DEFAULT = "default_"  #: begins what stands for a default of nanobind's list
 
@@ -67,9 +67,7 @@ def refuse(name: str, unknown: Iterable[str], known: Iterable[str]) -> NoReturn:
 
 def _unknown_keyword(name: str, key: str, known: Iterable[str]) -> str:
     names = list(known)
-    meant = nearest(key, names)
-    hint = f": did you mean '{meant}'?" if meant else f": it has {', '.join(names) or 'none'}"
-    return f"{name}() has no keyword '{key}'{hint}"
+    return f"{name}() has no keyword '{key}': " + meant(key, names, f"it has {', '.join(names) or 'none'}")
 
 
 def misfit(function: Any, positional: list[Any], keywords: dict[str, Any]) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_rsl_rl import CONFIG, MINE
+from test_rsl_rl import CONFIG, EPISODE, MINE, PRIVILEGED, ROLLOUTS, learnable
 
 
 def test_without_the_package_the_pip_line_is_named() -> None:
@@ -107,17 +107,17 @@ def test_a_runner_trains(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 
     torch.set_num_threads(1)
     monkeypatch.chdir(tmp_path)  # it writes runs/
-    config = CONFIG.updated(episode_seconds=4)
-    register("mine", config=config, terms=MINE)
+    config = learnable()
+    register("mine", config=config, terms=PRIVILEGED)
     runner = Runner()
-    runner.load({"params": parameters(20)})
+    runner.load({"params": parameters(ROLLOUTS)})
     agent = runner.algo_factory.create("a2c_continuous", base_name="run", params=runner.params)
 
     def mean_reward() -> float:
-        envs = VecEnv(num_envs=32, seed=0, config=config, terms=MINE)
+        envs = VecEnv(num_envs=32, seed=0, config=config, terms=PRIVILEGED)
         seen, rewards = envs.reset(), []
         agent.set_eval()
-        for _ in range(100):
+        for _ in range(EPISODE):
             with torch.inference_mode():
                 mean = agent.get_action_values(agent.obs_to_tensors(seen))["mus"]
             seen, reward, _, _ = envs.step(mean.clamp(-1, 1))
@@ -126,5 +126,5 @@ def test_a_runner_trains(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 
     before = mean_reward()
     agent.train()
-    assert agent.frame == 20 * 24 * 32
+    assert agent.frame == ROLLOUTS * 24 * 32
     assert mean_reward() > before

@@ -8,7 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from test_rsl_rl import CONFIG, MINE
+from test_rsl_rl import CONFIG, EPISODE, MINE, PRIVILEGED, ROLLOUTS, learnable
 
 import crossgait.envs  # registers the environments
 
@@ -87,9 +87,9 @@ def test_an_agent_trains(tmp_path: Path) -> None:
             return self.net(inputs["states"]), {}
 
     def wrapped() -> GymnasiumWrapper:
-        config = CONFIG.updated(episode_seconds=4)
+        config = learnable()
         made = wrap_env(
-            gymnasium.make_vec("Crossgait/JointControl-v0", num_envs=32, config=config, terms=MINE, **HOW),
+            gymnasium.make_vec("Crossgait/JointControl-v0", num_envs=32, config=config, terms=PRIVILEGED, **HOW),
             verbose=False,
         )
         assert isinstance(made, GymnasiumWrapper)
@@ -110,16 +110,15 @@ def test_an_agent_trains(tmp_path: Path) -> None:
     models = {"policy": Actor(**spaces), "value": Critic(**spaces)}
     memory = RandomMemory(memory_size=24, num_envs=32, device="cpu")
     agent = PPO(models=models, memory=memory, cfg=cfg, **spaces)
-    trainer = SequentialTrainer(
-        env=envs, agents=agent, cfg={"close_environment_at_exit": False, "timesteps": 240, "disable_progressbar": True}
-    )
+    how = {"close_environment_at_exit": False, "timesteps": 24 * ROLLOUTS, "disable_progressbar": True}
+    trainer = SequentialTrainer(env=envs, agents=agent, cfg=how)
 
     def mean_reward() -> float:
         fresh = wrapped()
         seen, _ = fresh.reset()
         rewards = []
         agent.enable_models_training_mode(False)
-        for _ in range(50):
+        for _ in range(EPISODE):
             with torch.inference_mode():
                 _, outputs = agent.act(seen, fresh.state(), timestep=10**6, timesteps=10**6)
             seen, reward, *_ = fresh.step(outputs["mean_actions"].clamp(-1, 1))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from crossgait.errors import ConfigError, nearest
+from crossgait.errors import ConfigError, meant
 from crossgait.studies.result import Answer, Json, Result, asked_for, flat
 from crossgait.studies.walk_numbers import WalkNumbers
 from crossgait.traces import Trace
@@ -35,9 +35,8 @@ class WalkResult(Answer, WalkNumbers):
             raise AttributeError(name)
         if name in self.document:
             return self.document[name]
-        near = nearest(name, dir(self))
-        hint = f": did you mean '{near}'?" if near else ", which the document has not either (to_dict)"
-        raise AttributeError(f"a {type(self).__name__} has no '{name}'{hint}")
+        hint = meant(name, dir(self), "the document has none either (to_dict)")
+        raise AttributeError(f"a {type(self).__name__} has no '{name}': {hint}")
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.document]
@@ -133,8 +132,7 @@ class Verdict(Answer):
                 statistic: Json = row
                 return statistic
         known = [row["key"] for row in pair["statistics"]]
-        near = nearest(key, known)
-        raise KeyError(f"no statistic '{key}': " + (f"did you mean '{near}'?" if near else ", ".join(known)))
+        raise KeyError(f"no statistic '{key}': " + meant(key, known, ", ".join(known)))
 
     @property
     def causes(self) -> dict[str, str]:
