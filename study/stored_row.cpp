@@ -12,6 +12,7 @@
 #include "physics/core/find_row.h"
 #include "physics/core/hash.h"
 #include "physics/core/read_budget.h"
+#include "physics/core/text.h"
 
 namespace crossgait {
 namespace {

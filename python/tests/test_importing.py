@@ -393,6 +393,29 @@ def test_checkpoints_are_read_and_not_executed(tmp_path):
     assert made.exists(), "whoever executes it would have made the folder"
 
 
+def test_checkpoints_of_tensors_that_are_no_plain_numbers_are_read(tmp_path):
+    torch = pytest.importorskip("torch")
+    from crossgait.importing import stated, torch_files
+
+    file, _ = published.checkpoint(tmp_path / "model_10.pt", published.ENV_YAML_OBSERVATIONS)
+    (tmp_path / "agent.yaml").write_text("policy: {activation: elu}\n")
+    agent = stated.of_yaml(str(tmp_path / "agent.yaml"))
+    plain = torch_files.read_checkpoint(file, agent)
+    saved = torch.load(file)
+    state = saved["model_state_dict"]
+    state["actor.0.weight"] = torch.nn.Parameter(state["actor.0.weight"])  # that gradients are asked of
+    state["actor.0.bias"] = torch._neg_view(-state["actor.0.bias"].double())  # whose sign is a mark
+    torch.save(saved, file)
+    for layer, expected in zip(
+        torch_files.read_checkpoint(file, agent).network.layers, plain.network.layers, strict=True
+    ):
+        assert all(map(np.array_equal, layer, expected))
+    state["actor.0.weight"] = state["actor.0.weight"].to("meta")
+    torch.save(saved, file)
+    with pytest.raises(ConfigError, match=r"actor\.0\.weight: expected a tensor of numbers"):
+        torch_files.read_checkpoint(file, stated.of_yaml(str(tmp_path / "agent.yaml")))
+
+
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [

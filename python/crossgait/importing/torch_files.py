@@ -170,6 +170,10 @@ def read_checkpoint(file: str, agent: Stated | None) -> Actor:
     return Actor(network, network, None)
 
 
+def _is_plain(tensor: torch.Tensor) -> bool:
+    return tensor.layout == torch.strided and tensor.device.type == "cpu"
+
+
 class _Weights:
     """The tensors of a checkpoint, each looked at before it is used: a file may hold anything under any name."""
 
@@ -201,7 +205,7 @@ class _Weights:
         """A tensor of numbers, of so many dimensions. Raises ConfigError."""
         value = self._state.get(name)
         expected = "a tensor of numbers" if dimensions is None else f"a tensor of numbers with {dimensions} dimensions"
-        if not isinstance(value, torch.Tensor) or not value.dtype.is_floating_point or value.layout != torch.strided:
+        if not isinstance(value, torch.Tensor) or not value.dtype.is_floating_point or not _is_plain(value):
             found = "none" if value is None else str(getattr(value, "dtype", type(value).__name__))
             raise ConfigError(self.file, name, expected, found)
         if dimensions is not None and value.dim() != dimensions:
@@ -212,7 +216,7 @@ class _Weights:
 
     def numbers(self, name: str, dimensions: int | None = None) -> np.ndarray[Any, Any]:
         """The same as an array."""
-        return np.asarray(self.at(name, dimensions).double().numpy())
+        return np.asarray(self.at(name, dimensions).detach().resolve_neg().double().numpy())
 
 
 def _policy(agent: Stated) -> Stated:
