@@ -121,7 +121,7 @@ ServedEngine::ServedEngine(std::string name, std::string file, std::string_view 
 
 std::unique_ptr<ServedProcess> ServedEngine::start() const {
   const std::vector<std::string> command =
-      is_of_package(file_) ? python_module_command(file_) : std::vector{python_program(), file_};
+      is_of_package(file_) ? python_module_command(file_) : python_file_command(file_);
   auto process = std::make_unique<ServedProcess>(file_, command, kServedBytes, served_limit());
   Json blocks = Json::object();
   std::size_t place = 0;

@@ -65,7 +65,8 @@ struct Evaluation {
   std::size_t count(Outcome outcome) const noexcept { return outcomes[static_cast<std::size_t>(outcome)]; }
   /// Averages the mean speeds of the episodes, m/s.
   double mean_speed() const { return motion.of(&MotionSummary::mean_speed_mps).mean; }
-  /// Counts episodes that an outcome of `EnvConfig::terminations` cut short, or would by default.
+  /// Counts episodes that an outcome of `EnvConfig::terminations` cut short, or would by default, or a
+  /// termination of the user's own.
   std::size_t ended_early() const noexcept;
 };
 Evaluation sum_up(const std::vector<EpisodeSummary>& episodes);

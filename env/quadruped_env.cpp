@@ -23,6 +23,12 @@ std::variant<GaitControl, JointControl> make_control(const EnvModel& model) {
 
 constexpr std::uint64_t kNoiseStream = 0x6e6f697365;  // "noise": random numbers of the observer
 
+// But for the engine, which the world knows.
+bool are_alike(EnvConfig a, EnvConfig b) {
+  a.engine = b.engine = {};
+  return to_yaml(a) == to_yaml(b) && (a.extension == nullptr) == (b.extension == nullptr);
+}
+
 }  // namespace
 
 QuadrupedEnv::QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine,
@@ -207,9 +213,15 @@ void QuadrupedEnv::finish_step(const RobotState& before, const MotionIntegrals& 
   e.result.truncated = !e.result.terminated && e.steps >= model_->max_steps;
   EnvExtension::Step own;
   if (extension_ != nullptr) own = extension_->step(*this);
-  e.result.terminated = e.result.terminated || own.terminated;
+  if (own.terminated && !e.result.terminated) terminate();
   e.result.truncated = !e.result.terminated && (e.result.truncated || own.truncated);
   e.result.reward = evaluate(before, during) + own.reward;
+}
+
+void QuadrupedEnv::terminate() {
+  episode_.loop.terminated();
+  episode_.info.outcome = episode_.loop.statistics().worst();
+  episode_.result.terminated = true;
 }
 
 void QuadrupedEnv::measure() {
@@ -335,6 +347,7 @@ void QuadrupedEnv::forget() {
 
 void QuadrupedEnv::end_episode(bool terminated) {
   require_going("end_episode");
+  if (terminated) terminate();
   episode_.result.terminated = terminated;
   episode_.result.truncated = !terminated;
 }
@@ -362,15 +375,12 @@ void QuadrupedEnv::require_going(std::string_view what) const {
 std::shared_ptr<const QuadrupedEnv::Saved> QuadrupedEnv::save() const {
   require_begun("save");
   return std::make_shared<const Saved>(Saved{episode_, world_->spec(), base_world_, changes_, world_->save(),
-                                             extension_ != nullptr ? extension_->save() : nullptr,
-                                             model_->layout});
+                                             extension_ != nullptr ? extension_->save() : nullptr, model_});
 }
 
 void QuadrupedEnv::restore(const Saved& saved) {
-  if (saved.layout != model_->layout) {
-    throw ConfigError("restore", "layout", fmt::format("an environment of layout {}", model_->layout),
-                      saved.layout);
-  }
+  if (saved.model != model_ && !are_alike(saved.model->config, config()))
+    throw ConfigError("restore", "configuration", "an episode of this environment's", "of another");
   // A world that was drawn for its episode, or changed, goes with it.
   const bool foreign = world_ == nullptr || world_->spec().robot != saved.world.robot ||
                        world_->spec().terrain.field() != saved.world.terrain.field();

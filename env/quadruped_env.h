@@ -181,6 +181,7 @@ class QuadrupedEnv {
   void take_action(std::span<const double> action) noexcept;
   void finish_step(const RobotState& before, const MotionIntegrals& integrals_before);
   void measure();
+  void terminate();
   double evaluate(const RobotState& before, const MotionIntegrals& during);
   ObservationSource seen() const noexcept;
   void observe_substep();
@@ -206,7 +207,7 @@ struct QuadrupedEnv::Saved {
   std::vector<QuantityChange> changes;
   Snapshot physics;
   std::shared_ptr<const void> extension;
-  std::string layout;  ///< hash, to refuse another configuration's
+  std::shared_ptr<const EnvModel> model;  ///< to refuse another configuration's
 };
 
 }  // namespace crossgait

@@ -44,6 +44,9 @@ class ClosedLoop {
   /// Takes note that the world's robot was put elsewhere by hand.
   void moved(const PhysicsBackend& world) noexcept { statistics_.moved(world); }
 
+  /// Takes note that somebody else ends the motion.
+  void terminated() noexcept { statistics_.note(Outcome::kTerminated); }
+
   bool ended() const noexcept { return ended_; }
   /// Returns the targets of the last control step.
   const ControlTargets& targets() const noexcept { return targets_; }

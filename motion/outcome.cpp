@@ -34,6 +34,12 @@ constexpr std::array kOutcomeRows{
                      l.low_seconds, l.low_height, l.nonfoot_contact_load, l.load_smoothing);
                },
                "it lies, rather than stands on its feet; a stumble is shorter"},
+    OutcomeRow{
+        Outcome::kTerminated, "terminated", "terminated", "was terminated", false,
+        [](const L&) -> std::string {
+          return "a termination of the user's own ended the episode: a term of Python's, or `end_episodes`";
+        },
+        "whoever trains says so"},
     OutcomeRow{Outcome::kLeftTerrain, "left_terrain", "left the terrain", "left the terrain", true,
                [](const L&) -> std::string { return "the base is off the height field"; },
                "there is nothing to walk on"},
@@ -99,7 +105,8 @@ const OutcomeRow& outcome_row(Outcome outcome) noexcept {
 std::string_view name(Outcome outcome) noexcept { return outcome_row(outcome).name; }
 
 bool is_failure(Outcome outcome) noexcept {
-  return outcome_row(outcome).at_once && outcome != Outcome::kLeftTerrain;
+  return outcome == Outcome::kTerminated ||
+         (outcome_row(outcome).at_once && outcome != Outcome::kLeftTerrain);
 }
 
 Outcome find_outcome(std::string_view name) {

@@ -17,6 +17,7 @@ enum class Outcome : std::uint8_t {
   kLoopViolated,  ///< a loop of the mechanism opened: the numbers no longer describe the machine
   kFell,          ///< roll or pitch beyond a limit
   kCollapsed,     ///< down: a body other than a foot carried the weight, or the base hung low, for a while
+  kTerminated,    ///< a termination of the user's own ended it
   kLeftTerrain,   ///< the base left the height field
   kSlid,          ///< moved, but by sliding feet rather than by steps
   kNoProgress,    ///< made next to nothing of the way or the turn that was asked for, in any direction
@@ -46,7 +47,8 @@ struct OutcomeRow {
 std::span<const OutcomeRow> outcome_rows();
 const OutcomeRow& outcome_row(Outcome outcome) noexcept;
 std::string_view name(Outcome outcome) noexcept;
-/// Tells if it is a fall, collapse, open loop or divergence: whatever ends a motion but leaving the ground.
+/// Tells if it is a fall, collapse, open loop, divergence or a termination: whatever ends a motion but
+/// leaving the ground.
 bool is_failure(Outcome outcome) noexcept;
 struct OutcomeSet;
 /// Lists the names in the order of the table.

@@ -83,7 +83,11 @@ std::string outcomes_in_words(const Evaluation& e) {
 
 nlohmann::ordered_json to_json(const Evaluation& e) {
   ordered_json outcomes;
-  for (const OutcomeRow& row : outcome_rows()) outcomes[std::string(row.name)] = e.count(row.outcome);
+  for (const OutcomeRow& row : outcome_rows()) {
+    // Of what few environments have, only where it was: others' results stay as they are.
+    if (row.outcome != Outcome::kTerminated || e.count(row.outcome) > 0)
+      outcomes[std::string(row.name)] = e.count(row.outcome);
+  }
   ordered_json json{{"episodes", e.episodes},
                     {"outcomes", outcomes},
                     {"ended_early", e.ended_early()},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -25,6 +26,7 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
   /// What is wrong with it; empty for a stored run, or one that failed.
   std::string problem() const {
     if (!broken_.empty()) return broken_;
+    if (!wrong_key_.empty()) return fmt::format("'{}' twice", wrong_key_);
     if (!hash_) return "no hash of 16 hexadecimal digits";
     if (failed_) return {};
     if (!wrong_.empty()) return wrong_;
@@ -62,8 +64,11 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
   bool end_object() override { return end(); }
   bool end_array() override { return end(); }
   bool key(std::string& value) override {
-    if (depth_ == 1) key_ = value;
-    if (depth_ == 1 && value == "error") failed_ = true;
+    if (depth_ == 1) {
+      key_ = value;
+      if (!keys_.insert(value).second && wrong_key_.empty()) wrong_key_ = value;
+      failed_ = failed_ || value == "error";
+    }
     if (depth_ == 2) field_ = value;
     return true;
   }
@@ -91,6 +96,7 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
       refuse("a number beyond 1e+100, whose square is none any more");
     if (is_field()) {
       if (field_ == "seconds") {
+        if (value < 0) refuse("a negative time");
         result_.run.seconds = value;
         has_seconds_ = true;
       } else {
@@ -124,6 +130,8 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
 
   int depth_ = 0;
   bool in_result_ = false, has_result_ = false, has_seconds_ = false, failed_ = false;
+  std::set<std::string> keys_;
+  std::string wrong_key_;  // that stands twice
   std::string key_, field_, outcome_, broken_, wrong_;
   std::optional<std::uint64_t> hash_;
   RunResult result_;

@@ -31,6 +31,14 @@ std::vector<std::string> python_module_command(const std::string& module) {
   return command;
 }
 
+std::vector<std::string> python_file_command(const std::string& file) {
+  std::vector<std::string> command = python_code_command(
+      "import os, runpy; file = sys.argv.pop(1); sys.path.append(os.path.dirname(os.path.abspath(file)))\n"
+      "sys.argv[0] = file; runpy.run_path(file, run_name='__main__')");
+  command.push_back(file);
+  return command;
+}
+
 std::vector<std::string> python_import_command(const std::string& module) {
   return python_code_command("import " + module);
 }

@@ -18,6 +18,10 @@ std::vector<std::string> python_code_command(const std::string& code);
 /// Returns the command that runs a module of installed packages as `-m` does, likewise.
 std::vector<std::string> python_module_command(const std::string& module);
 
+/// Returns the command that runs a file, likewise: modules beside it are imported, but none in the place of
+/// an installed package.
+std::vector<std::string> python_file_command(const std::string& file);
+
 /// Returns the command that ends with exit code 0 if a module can be imported, likewise.
 std::vector<std::string> python_import_command(const std::string& module);
 

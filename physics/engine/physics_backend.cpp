@@ -16,7 +16,9 @@ namespace {
 // faster than any servo by two orders of magnitude.
 constexpr double kRunawaySpeed = 340.0;   // m/s
 constexpr double kRunawayRate = 1e4;      // rad/s
+constexpr double kRunawayAngle = 1e9;     // rad: a day at that rate
 constexpr double kRunawayDistance = 1e6;  // m
+constexpr double kMostSaved = 1e18;       // of targets and of counted steps
 // So that the first touch-down does not hang on the rounding of a distance of exactly zero.
 constexpr double kHomeClearance = 1e-4;  // m
 
@@ -24,7 +26,23 @@ bool is_sane(const RobotState& s) noexcept {
   return s.is_finite() && s.p_WB.lpNorm<Eigen::Infinity>() < kRunawayDistance &&
          s.v_WB.lpNorm<Eigen::Infinity>() < kRunawaySpeed &&
          s.w_WB.lpNorm<Eigen::Infinity>() < kRunawayRate &&
+         (s.q.size() == 0 || s.q.lpNorm<Eigen::Infinity>() < kRunawayAngle) &&
          (s.qd.size() == 0 || s.qd.lpNorm<Eigen::Infinity>() < kRunawayRate);
+}
+
+/// @throws ConfigError for contacts and wrenches of bodies and legs that there are not: a snapshot may come
+/// from a file
+void check_indices(const Snapshot& snapshot, const RobotDescription& robot) {
+  const auto is_body = [&robot](int body) { return body >= 0 && body <= robot.joint_count(); };
+  const auto is_of_it = [&](const Contact& c) { return is_body(c.body) && c.leg >= -1 && c.leg < kLegCount; };
+  if (!std::all_of(snapshot.contacts.begin(), snapshot.contacts.end(), is_of_it) ||
+      !std::all_of(snapshot.wrenches.begin(), snapshot.wrenches.end(),
+                   [&](const BodyWrench& w) { return is_body(w.body); }) ||
+      snapshot.wrenches.size() > kMaxWrenches)
+    throw ConfigError("restore", "snapshot",
+                      fmt::format("contacts of {} bodies and {} legs, and at most {} wrenches on them",
+                                  robot.joint_count() + 1, kLegCount, kMaxWrenches),
+                      "others");
 }
 
 }  // namespace
@@ -283,12 +301,17 @@ void PhysicsBackend::restore(const Snapshot& snapshot) {
   std::vector<double> own, drives;
   do_save(own);
   drives_.save(drives);
+  const auto is_finite = [](double number) { return std::abs(number) < kMostSaved; };
   if (own.size() != snapshot.engine.size() || drives.size() != snapshot.drives.size() ||
-      snapshot.state.q.size() != state_.q.size()) {
+      snapshot.state.q.size() != state_.q.size() || snapshot.state.qd.size() != state_.qd.size() ||
+      !std::all_of(snapshot.drives.begin(), snapshot.drives.end(), is_finite) ||
+      !snapshot.state.is_finite() || snapshot.torques.size() != torques_.size() ||
+      snapshot.servo_torques.size() != servo_torques_.size()) {
     throw ConfigError("restore", "robot",
                       fmt::format("a snapshot of {} with {} joints", robot().name, state_.q.size()),
                       fmt::format("{} joints", snapshot.state.q.size()));
   }
+  check_indices(snapshot, robot());
   do_restore(snapshot.engine);
   drives_.restore(snapshot.drives);
   state_ = snapshot.state;

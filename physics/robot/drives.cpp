@@ -79,7 +79,7 @@ void Drives::save(std::vector<double>& out) const {
 
 void Drives::restore(const std::vector<double>& saved) {
   const double* next = saved.data();
-  steps_ = static_cast<std::uint64_t>(*next++);
+  steps_ = static_cast<std::uint64_t>(std::max(0.0, *next++));
   for (JointVector& row : line_) {
     std::copy_n(next, row.size(), row.begin());
     next += row.size();

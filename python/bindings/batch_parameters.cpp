@@ -46,8 +46,13 @@ void set_parameters(Batch& batch, const nb::dict& parameters, const Indices& ind
       std::erase_if(changes, [&](const QuantityChange& c) { return c.quantity == &quantity; });
       if (given.is_none()) continue;
       nb::object value = nb::borrow(given);
-      if (nb::isinstance(value, ndarray)) {
+      if (nb::isinstance(value, ndarray) || nb::hasattr(value, "__array__")) {  // tensors of learners, too
         const auto each = numbers_of(value);
+        if (each.ndim() == 0) {
+          changes.push_back(
+              parse_quantity_change(change_text(name, nb::cast(each.data()[0])), Batch::kSource));
+          continue;
+        }
         if (each.ndim() != 1 || each.size() != which.size())
           throw ConfigError(Batch::kSource, name,
                             fmt::format("an array of one number for each of {}", which.size()),

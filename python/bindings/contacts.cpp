@@ -8,8 +8,10 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include "physics/core/error.h"
 #include "physics/engine/physics_backend.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/world_snapshot.h"
 
 namespace crossgait::python {
 namespace {
@@ -24,32 +26,35 @@ SavedContact saved_contact(const Contact& c) {
 Contact contact_of(const SavedContact& saved) {
   Contact c;
   std::tie(c.body, c.leg, c.p_WP, c.normal, c.distance, c.force, c.slip_speed) = saved;
+  if (c.leg < -1 || c.leg >= kLegCount || c.body < 0)
+    throw ConfigError("contact", "leg and body", fmt::format("-1 to {} and at least 0", kLegCount - 1),
+                      fmt::format("{} and {}", c.leg, c.body));
   return c;
 }
 
 // body, force, torque, point in the body's frame
 using SavedWrench = std::tuple<int, Vector3, Vector3, Vector3>;
 
-// engine name, state, contacts and how many were dropped, torques, torques of servos, push, diverged, drives,
-// the engine's own, wrenches
-using SavedSnapshot =
-    std::tuple<std::string, RobotState, std::vector<SavedContact>, int, Eigen::VectorXd, Eigen::VectorXd,
-               Vector3, bool, std::vector<double>, std::vector<double>, std::vector<SavedWrench>>;
+// world, engine name, state, contacts and how many were dropped, torques, torques of servos, push, diverged,
+// drives, the engine's own, wrenches
+using SavedSnapshot = std::tuple<std::string, std::string, RobotState, std::vector<SavedContact>, int,
+                                 Eigen::VectorXd, Eigen::VectorXd, Vector3, bool, std::vector<double>,
+                                 std::vector<double>, std::vector<SavedWrench>>;
 
-SavedSnapshot saved_snapshot(const Snapshot& s) {
+SavedSnapshot saved_snapshot(const WorldSnapshot& s) {
   std::vector<SavedContact> contacts;
   for (const Contact& contact : s.contacts) contacts.push_back(saved_contact(contact));
   std::vector<SavedWrench> wrenches;
   for (const BodyWrench& w : s.wrenches)
     wrenches.emplace_back(w.body, w.wrench.force, w.wrench.torque, w.p_BP);
-  return {s.engine_name, s.state,    contacts, s.contacts.dropped, s.torques, s.servo_torques,
-          s.push,        s.diverged, s.drives, s.engine,           wrenches};
+  return {s.world,         s.engine_name, s.state,    contacts, s.contacts.dropped, s.torques,
+          s.servo_torques, s.push,        s.diverged, s.drives, s.engine,           wrenches};
 }
 
-Snapshot snapshot_of(const SavedSnapshot& saved) {
-  const auto& [engine_name, state, contacts, dropped, torques, servo_torques, push, diverged, drives, engine,
-               wrenches] = saved;
-  Snapshot s{engine_name, state, {}, torques, servo_torques, push, diverged, drives, engine};
+WorldSnapshot snapshot_of(const SavedSnapshot& saved) {
+  const auto& [world, engine_name, state, contacts, dropped, torques, servo_torques, push, diverged, drives,
+               engine, wrenches] = saved;
+  WorldSnapshot s{{engine_name, state, {}, torques, servo_torques, push, diverged, drives, engine}, world};
   for (const SavedContact& contact : contacts) s.contacts.add(contact_of(contact));
   s.contacts.dropped = dropped;
   for (const auto& [body, force, torque, point] : wrenches)
@@ -101,17 +106,17 @@ void bind_contacts(nb::module_& m) {
              const auto& [touching, force, p_WP, slip_speed, penetration] = saved;
              new (&f) FootContact{touching, force, p_WP, slip_speed, penetration};
            });
-  nb::class_<Snapshot>(m, "Snapshot", "A saved instant of a world: restoring it continues bit for bit.")
-      .def_ro("engine_name", &Snapshot::engine_name)
-      .def_ro("state", &Snapshot::state)
+  nb::class_<WorldSnapshot>(m, "Snapshot", "A saved instant of a world: restoring it continues bit for bit.")
+      .def_ro("engine_name", &WorldSnapshot::engine_name)
+      .def_ro("state", &WorldSnapshot::state)
       .def("__repr__",
-           [](const Snapshot& s) {
+           [](const WorldSnapshot& s) {
              return fmt::format("<crossgait.Snapshot of a world in {} at {:g} s>", s.engine_name,
                                 s.state.time);
            })
       .def("__getstate__", &saved_snapshot)
       .def("__setstate__",
-           [](Snapshot& s, const SavedSnapshot& saved) { new (&s) Snapshot(snapshot_of(saved)); });
+           [](WorldSnapshot& s, const SavedSnapshot& saved) { new (&s) WorldSnapshot(snapshot_of(saved)); });
 }
 
 }  // namespace crossgait::python

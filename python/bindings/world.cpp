@@ -13,9 +13,11 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
+#include <nlohmann/json.hpp>
 
 #include "backends/registry.h"
 #include "env/env_arrays.h"
+#include "parity/report.h"
 #include "physics/core/error.h"
 #include "physics/engine/lost_engine.h"
 #include "physics/robot/multibody.h"
@@ -25,6 +27,7 @@
 #include "python/bindings/inputs.h"
 #include "python/bindings/interruption.h"
 #include "python/bindings/robot.h"
+#include "python/bindings/world_snapshot.h"
 
 namespace crossgait::python {
 namespace {
@@ -127,6 +130,24 @@ const char* step(PhysicsBackend& world, const ArrayLike& targets, int substeps) 
         "world", "targets", std::to_string(world.robot().actuated_joints().size()) + " finite numbers, rad",
         std::to_string(joints.q.size()) + " numbers" + (joints.q.allFinite() ? "" : ", not all finite"));
   return status == StepStatus::kOk ? "ok" : "diverged";
+}
+
+std::string contact_in_words(const ContactSpec& contact) { return to_json(contact).dump(); }
+
+std::string in_words(const PhysicsBackend& world) {
+  const WorldSpec& spec = world.spec();
+  return fmt::format("{} of {:g} kg on {}, {}, steps of {:g} s, gravity {:g} m/s^2{}", world.robot().name,
+                     world.robot().total_mass(), spec.terrain.name(), contact_in_words(spec.contact),
+                     spec.physics_dt, spec.gravity.norm(), spec.fixed_base ? ", base fixed" : "");
+}
+
+WorldSnapshot save(const PhysicsBackend& world) { return {world.save(), in_words(world)}; }
+
+void restore(PhysicsBackend& world, const WorldSnapshot& snapshot) {
+  if (const std::string here = in_words(world);
+      snapshot.world != here && snapshot.engine_name == world.info().name)
+    throw ConfigError("restore", "world", here, snapshot.world);
+  world.restore(snapshot);
 }
 
 // What `write` puts down, as an array of its own.
@@ -322,8 +343,8 @@ void bind_world(nb::module_& m) {
            }),
            nb::arg("impulse"),
            "An impulse (N s, in W) at the base's centre of mass, spread over the next physics step.")
-      .def("save", guarded(&PhysicsBackend::save))
-      .def("restore", guarded(&PhysicsBackend::restore), nb::arg("snapshot"),
+      .def("save", guarded(&save))
+      .def("restore", guarded(&restore), nb::arg("snapshot"),
            "Raises ConfigError if it is of another engine or robot.")
       .def("__repr__", guarded([](const PhysicsBackend& w) {
              return "<crossgait.World of '" + w.robot().name + "' in " + w.info().name + " at " +

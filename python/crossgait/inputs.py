@@ -113,9 +113,11 @@ def as_policies(value: Any, source: str = "policies") -> list[Any]:
         as_policy(value, source)  # says what is wrong with it
         return [value]
     policies = list(value)
-    names = [os.fspath(p) if isinstance(p, (str, os.PathLike)) else getattr(p, "name", None) for p in policies]
+    if not policies:
+        raise ConfigError(source, "policies", "at least one", "none")
+    names = [known if isinstance(known, str) else p.name for p in policies for known in [as_policy(p, source)]]
     for name in names:
-        if name is not None and names.count(name) > 1:
+        if names.count(name) > 1:
             expected = "policies of different names, by which results tell them apart (FunctionPolicy(make, name))"
             raise ConfigError(source, "policies", expected, f"'{name}' twice")
     return policies

@@ -22,6 +22,7 @@ except ImportError as error:
 
 import crossgait.envs
 from crossgait import _core
+from crossgait._core import EnvironmentConfig
 from crossgait.envs.described import described
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_vector_env import same_step_vector
@@ -130,6 +131,11 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
         """A frame of every environment; None without render_mode="rgb_array"."""
         return self.vector.render() or [None] * self.num_envs
 
+    @property
+    def config(self) -> EnvironmentConfig:
+        """That of all environments."""
+        return self.vector.config
+
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """Of each environment: see `SubEnvironment`."""
         return [getattr(self._environments[i], attr_name) for i in self._get_indices(indices)]
@@ -139,6 +145,9 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
         for i in self._get_indices(indices):
             if hasattr(self._environments[i].core, attr_name):
                 raise AttributeError(f"{attr_name} of an environment is not to be set")
+            if attr_name in self.config.to_dict():
+                more = "set_parameters of its batch sets what can change between steps"
+                raise AttributeError(f"{attr_name} is of the configuration, which an environment keeps: {more}")
             setattr(self._environments[i], attr_name, value)
 
     def env_method(

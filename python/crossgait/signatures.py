@@ -140,6 +140,8 @@ class _Call:
         for key, value in given.items():
             if isinstance(value, (list, tuple)) or hasattr(value, "shape"):
                 expected = _plain(self._taken[key].annotation)
+                if isinstance(value, (list, tuple)) and "ndarray" in expected.lower():
+                    return f"{self._at(key)}expected {expected} (numpy.array makes one of it), found {_shown(value)}"
                 return f"{self._at(key)}expected {expected} of another length or shape, found {_shown(value)}"
         expected = ", ".join(f"{p.name}: {_plain(p.annotation)}" for p in self._parameters)
         return f"{self._place}expected ({expected}), found {', '.join(map(_shown, given.values())) or 'nothing'}"

@@ -219,6 +219,53 @@ def test_contacts_and_snapshots_are_pickled(engine: str) -> None:
     assert np.array_equal(first.state.qvel, second.state.qvel)
 
 
+@pytest.mark.parametrize("engine", crossgait.available_engines())
+def test_snapshots_of_other_worlds_are_refused(engine: str) -> None:
+    world = crossgait.World("scara_quadruped", engine=engine)
+    world.step(np.zeros(12), 10)
+    saved = world.save()
+    for other in (
+        crossgait.World("scara_quadruped_long", engine=engine),
+        crossgait.World("scara_quadruped", "stairs", engine=engine),
+        crossgait.World("scara_quadruped", engine=engine, friction=0.1),
+        crossgait.World("scara_quadruped", engine=engine, physics_dt=5e-4),
+        crossgait.World("scara_quadruped", engine=engine, gravity=(0, 0, -1.6)),
+    ):
+        with pytest.raises(ConfigError, match="restore: world: expected scara_quadruped"):
+            other.restore(saved)
+    state = list(saved.__getstate__())
+    zero = np.zeros(3)
+    for place, value in (
+        (11, [(10**8, np.array([0, 0, 1e3]), zero, zero)]),
+        (3, [(10**8, 0, zero, zero, 0.0, zero, 0.0)]),
+        (5, np.zeros(3)),
+    ):
+        tampered = crossgait.Snapshot.__new__(crossgait.Snapshot)
+        tampered.__setstate__((*state[:place], value, *state[place + 1 :]))
+        with pytest.raises(ConfigError, match="restore"):
+            world.restore(tampered)
+    contact = crossgait.Contact.__new__(crossgait.Contact)
+    with pytest.raises(ConfigError, match="contact: leg and body"):
+        contact.__setstate__((0, 99, zero, zero, 0.0, zero, 0.0))
+
+
+@pytest.mark.parametrize("engine", crossgait.available_engines())
+def test_angles_that_none_turns_to_are_refused(engine: str) -> None:
+    world = crossgait.World("serial_quadruped", engine=engine)
+    state = world.state
+    state.q = np.full(12, 1e300)
+    with pytest.raises(ConfigError):
+        world.reset(state)
+
+
+def test_an_episode_is_of_its_environment() -> None:
+    one, two = (_core.Environment(EnvironmentConfig(friction=friction)) for friction in (0.6, 0.1))
+    one.reset(0)
+    two.reset(0)
+    with pytest.raises(ConfigError, match="restore: configuration: expected an episode of this environment's"):
+        two.restore(one.save())
+
+
 def test_indices_of_a_batch_are_those_of_numpy() -> None:
     envs = _core.VectorEnvironment(EnvironmentConfig(), 4)
     envs.reset(1)

@@ -579,6 +579,36 @@ def test_an_import_replaces_all_of_another(tmp_path, deployed):
     assert {each.name for each in folder.iterdir()} == set(before) - {"walk.safetensors"}
 
 
+def test_an_import_takes_the_place_of_nothing_else(tmp_path, deployed):
+    _, file, deploy = deployed
+    folder = tmp_path / "walker"
+    folder.mkdir()
+    (folder / "walker.safetensors").write_text("mine")
+    with pytest.raises(ConfigError, match=r"a new one, or that of an earlier import.*found walker\.safetensors"):
+        crossgait.import_policy(file, ROBOT, folder, deploy)
+    assert [each.name for each in folder.iterdir()] == ["walker.safetensors"]
+    (folder / "walker.safetensors").unlink()
+    (tmp_path / "victim").write_text("mine")
+    (folder / "import.json").symlink_to(tmp_path / "victim")
+    with pytest.raises(ConfigError, match=r"import\.json: expected a file of an import's own, found a link"):
+        crossgait.import_policy(file, ROBOT, folder, deploy)
+    assert (tmp_path / "victim").read_text() == "mine"
+
+
+def test_settings_are_fields_and_of_their_kind(tmp_path, deployed):
+    _, file, deploy = deployed
+    for settings, message in (
+        ({"servos.kdd": 1}, r"settings: servos\.kdd: expected one of the keys .*did you mean servos\.kd"),
+        ({"nope": 3}, r"settings: nope: expected one of the keys"),
+        ({"servos.kd": "a"}, r"settings: servos\.kd: expected a finite number, found 'a'"),
+        ({"servos.kd": {"FL_nose": 1}}, r"settings: servos\.kd: expected one of the keys"),
+    ):
+        with pytest.raises(ConfigError, match=message):
+            crossgait.import_policy(file, ROBOT, tmp_path / "walk", deploy, settings=settings)
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", deploy, settings={"servos.kd": {"FL_knee": 2}})
+    assert crossgait.rollout(imported, episodes=1).to_frame()["steps"].iloc[0] > 0  # it stands for its folder
+
+
 def test_the_command_writes_json(tmp_path, deployed):
     _, file, deploy = deployed
     command = [

@@ -217,7 +217,40 @@ def test_a_term_that_is_wrong_is_named(function: Any, found: str) -> None:
         env.step(drawn(envs, 0)[0])
 
 
+def test_an_episode_that_a_term_terminates_is_no_walk() -> None:
+    late = terms.Terms(terminations={"late": terms.TerminationTerm(lambda env: env.time > 0.05)})
+    config = crossgait.with_terms({"action": "joints", "episode_seconds": 1}, late)
+    rollout = crossgait.rollout("zero", config, episodes=2)
+    frame = rollout.to_frame()
+    assert frame["outcome"].tolist() == ["terminated"] * 2
+    assert (frame["simulated_seconds"] < 0.1).all()
+    assert rollout.to_dict()["policies"][0]["all"]["outcomes"]["terminated"] == 2
+    assert rollout.to_dict()["policies"][0]["all"]["ended_early"] == 2
+    assert "2 terminated" in str(rollout)
+    judged = crossgait.verdict("zero", environment=config, starts=4)
+    assert judged.statistic("failures")["values"] == [1, 1]
+    envs = crossgait.envs.JointControlVectorEnv(2, {"action": "joints", "episode_seconds": 1}, terms=late)
+    envs.reset(seed=0)
+    for _ in range(40):
+        _, _, terminated, _, infos = envs.step(np.zeros((2, 12), np.float32))
+        if terminated.any():
+            assert infos["outcome"].tolist() == ["terminated"] * 2
+            break
+    else:
+        raise AssertionError("it ends")
+    in_time = terms.Terms(terminations={"late": terms.TerminationTerm(lambda env: env.time > 0.05, time_out=True)})
+    config = crossgait.with_terms({"action": "joints", "episode_seconds": 1}, in_time)
+    assert crossgait.rollout("zero", config, episodes=1).to_frame()["outcome"].tolist() != ["terminated"]
+
+
 def test_declarations_are_checked() -> None:
+    mine = terms.Terms(observations={"policy": {"v_B.x": terms.ObservationTerm(lambda env: env.time)}})
+    with pytest.raises(ConfigError, match=r"observations\.policy\.v_B\.x: expected a name that none"):
+        crossgait.with_terms({"action": "joints"}, mine)
+    for value in ("x", {}, [object()]):
+        mine = terms.Terms(rewards={"mine": terms.RewardTerm(lambda env, given=value: given)})
+        with pytest.raises(ConfigError, match=r"terms: rewards\.mine: expected (numbers|an array)"):
+            crossgait.rollout("zero", crossgait.with_terms({"action": "joints"}, mine), episodes=1)
     with pytest.raises(ConfigError, match="none of the table's"):
         terms.Terms(rewards={"alive": terms.RewardTerm(nothing)})
     with pytest.raises(ConfigError, match="a RewardTerm"):

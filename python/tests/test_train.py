@@ -320,6 +320,70 @@ def test_killed_and_resumed_is_never_stopped(finished: Path, tmp_path: Path) -> 
     assert len(commands) == 4
 
 
+def test_a_run_keeps_files_that_are_not_its_own(tmp_path: Path) -> None:
+    (tmp_path / "train.yaml").write_text(write_yaml(training.small()))
+    for name in ("walker_v3.safetensors", "progress.csv", "notes.yaml"):
+        mine = tmp_path / name.partition(".")[0]
+        mine.mkdir()
+        (mine / name).write_text("mine")
+        arguments = ["-m", "crossgait.train", "train.yaml", "--out", mine.name]
+        _, error = training.done(arguments, tmp_path, code=2)
+        assert f"expected an empty one, or --resume, found {name}" in error
+        assert [each.name for each in mine.iterdir() if not each.name.startswith(".")] == [name]
+        assert (mine / name).read_text() == "mine"
+
+
+def test_a_trainer_takes_no_place_of_another(finished: Path, tmp_path: Path) -> None:
+    shutil.copytree(finished / "run", tmp_path / "run")
+    with pytest.raises(ConfigError, match="expected an empty one, or resume=True, found a run"):
+        Trainer(plan(), tmp_path / "run", resume=False)
+    (tmp_path / "run/checkpoint.pt").unlink()
+    with pytest.raises(ConfigError, match=r"checkpoint\.pt: file: expected what the run goes on from"):
+        Trainer(plan(), tmp_path / "run", resume=True)
+    assert (tmp_path / "run" / BEST).read_bytes() == (finished / "run" / BEST).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("progress.csv", "a,b\n1,2\n", "rollout: expected a number in each row, found none"),
+        ("progress.csv", "rollout\nx\n", "rollout: expected a number in each row, found 'x'"),
+        ("progress.csv", "rollout,a\n1\n", "line 2: expected as many values as the first has names"),
+        ("progress.csv", b"\xff\n", "expected a table of this run, in UTF-8"),
+    ],
+)
+def test_tables_that_are_no_runs_are_refused(
+    finished: Path, tmp_path: Path, name: str, text: Any, message: str
+) -> None:
+    shutil.copytree(finished / "run", tmp_path / "run")
+    (tmp_path / "run" / name).write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(ConfigError, match=message):
+        Trainer(plan(), tmp_path / "run", resume=True)
+
+
+@pytest.mark.parametrize(
+    "change", [{"rollout": "x"}, {"rollout": -5}, {"spent": "x"}, {"best": {"score": "x"}}, {"terms": [1]}, None]
+)
+def test_checkpoints_of_other_states_are_refused(finished: Path, tmp_path: Path, change: Any) -> None:
+    shutil.copytree(finished / "run", tmp_path / "run")
+    document = torch.load(tmp_path / "run/checkpoint.pt", weights_only=True)
+    document["state"] = document["state"] | change if change else []
+    torch.save(document, tmp_path / "run/checkpoint.pt")
+    with pytest.raises(ConfigError, match=r"checkpoint\.pt"):
+        Trainer(plan(), tmp_path / "run", resume=True)
+
+
+def test_links_and_pipes_are_no_files_of_a_run(finished: Path, tmp_path: Path) -> None:
+    shutil.copytree(finished / "run", tmp_path / "run")
+    (tmp_path / "victim").write_text("mine")
+    for make in (lambda file: file.symlink_to(tmp_path / "victim"), os.mkfifo):
+        (tmp_path / "run/commands.jsonl").unlink()
+        make(tmp_path / "run/commands.jsonl")
+        _, error = training.done(["-m", "crossgait.train", "--resume", "--out", "run"], tmp_path, code=2)
+        assert "commands.jsonl: expected a file of the run's own, found a link, a pipe or a device" in error
+    assert (tmp_path / "victim").read_text() == "mine"
+
+
 def test_a_folder_of_somebody_elses_runs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ran = tmp_path / "ran"
     monitor = tmp_path / "monitor"
@@ -331,14 +395,25 @@ def test_a_folder_of_somebody_elses_runs_nothing(tmp_path: Path, monkeypatch: py
 
     git("init")
     git("-c", "user.name=a", "-c", "user.email=a@b", "commit", "--allow-empty", "--message", "first")
+    (tmp_path / ".git/hooks").mkdir(exist_ok=True)
+    (tmp_path / ".git/info").mkdir(exist_ok=True)
+    shutil.copy(monitor, tmp_path / ".git/hooks/post-index-change")
+    (tmp_path / ".git/info/attributes").write_text("*.yaml filter=x\n")
+    (tmp_path / "a.yaml").write_text("a")
+    git("add", "a.yaml")
+    git("-c", "user.name=a", "-c", "user.email=a@b", "commit", "--message", "second")
+    git("config", "filter.x.clean", f"touch {ran}; cat")
     git("config", "core.fsmonitor", str(monitor))
+    os.utime(tmp_path / "a.yaml", (1, 1))
+    ran.unlink(missing_ok=True)
     git("status")
     assert ran.exists(), "git itself runs it"
     ran.unlink()
+    os.utime(tmp_path / "a.yaml", (2, 2))
     monkeypatch.chdir(tmp_path)
     told = folder._git()
     assert told is not None
-    assert told["changed"] == []
+    assert told["changed"] in ([], ["a.yaml"])  # by its time alone
     assert not ran.exists()
 
 

@@ -167,6 +167,7 @@ TEST_F(StoredRuns, ALineThatIsNoRunIsAnErrorThatNamesIt) {
         R"({"hash": "00", "run": {}, "result": {"outcome": "flew", "seconds": 1}})",
         R"({"hash": "00", "run": {}, "result": {"outcome": "fell", "seconds": 1, "d": "far"}})",
         R"({"hash": "0123456789abcdef", "result": {"outcome": "fell", "seconds": 1, "d": 1, "d": 2}})",
+        R"({"hash": "0123456789abcdef", "result": {"outcome": "fell", "seconds": -5}})",
         R"({"hash": "0123456789abcdef", "result": {"outcome": "fell"}})",
         R"({"hash": "0123456789abcdef", "result": {"outcome": "fell", "seconds": 1, "d": [1]}})",
         R"({"hash": "0123456789abcdef", "result": {"outcome": "fell", "seconds": 1, "d": true}})",
@@ -201,6 +202,9 @@ TEST_F(StoredRuns, WhoseHashIsNotTheirRunsAreAnError) {
   row = nlohmann::ordered_json::parse(sound[0]);
   row["run"]["start"] = 77;
   EXPECT_NE(error_of(row.dump()).find("one of them was changed"), std::string::npos);
+  std::string twice = sound[0];
+  twice.insert(twice.size() - 1, R"(,"run":{"engine":"evil"})");
+  EXPECT_NE(error_of(twice).find("'run' twice"), std::string::npos);
   row.erase("run");
   EXPECT_NE(error_of(row.dump()).find("no run"), std::string::npos);
   // Written by another program, with spaces and members in another order, it is the same run.

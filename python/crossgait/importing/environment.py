@@ -16,7 +16,7 @@ _FRICTION = 1.0
 #: By which a target is found at which a servo's law gives a torque, N m/rad: 100 N m within 0.1 rad.
 _GIVING_STIFFNESS = 1000.0
 _IMPLICIT = ("implicit_stiffness", "implicit_damping")
-_SERVOS = ("kp", "kd", "effort", *_IMPLICIT, "armature", "friction", "corner_speed", "no_load_speed", "delay")
+SERVOS = ("kp", "kd", "effort", *_IMPLICIT, "armature", "friction", "corner_speed", "no_load_speed", "delay")
 
 
 def make_environment(contract: Contract, robot: str) -> dict[str, Any]:
@@ -41,7 +41,7 @@ def make_environment(contract: Contract, robot: str) -> dict[str, Any]:
         "joints": _joints(contract),
         "servos": {
             key: one_or_each(value, len(contract.joints))
-            for key in _SERVOS
+            for key in SERVOS
             if isinstance(value := contract.get(f"servos.{key}"), dict)
             and (key not in _IMPLICIT or any(value.values()))
         },

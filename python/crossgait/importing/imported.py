@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -11,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from crossgait._core import EnvironmentConfig, PolicyInterface, Robot
-from crossgait.errors import ConfigError
+from crossgait.errors import ConfigError, unknown_key
 from crossgait.files import (
     check_outputs,
     locked_folder,
@@ -55,6 +56,10 @@ class Imported:
     def folder(self) -> str:
         """What `--policy` takes."""
         return os.path.dirname(self.policy)
+
+    def __fspath__(self) -> str:
+        """Stand for the folder, wherever a policy is taken."""
+        return self.folder
 
     def to_dict(self) -> dict[str, Any]:
         """Keys as `crossgait import --json` has them."""
@@ -129,6 +134,7 @@ def import_policy(
     folder = Path(os.path.abspath(out))
     outputs = [("--out", folder / each) for each in (*_may_be_written(folder), TABLE_FILE)]
     check_outputs(outputs, [("the policy", file), *read])
+    _check_folder(folder)
     if not roots and not settings:
         raise ConfigError(file, "interface", "a file that says it (--from), or metadata in it", "neither")
     _say_settings(contract, settings or {})
@@ -148,6 +154,17 @@ def _may_be_written(folder: Path) -> list[str]:
         ENVIRONMENT_FILE,
         ACTUATOR_FILE,
     ]
+
+
+def _check_folder(folder: Path) -> None:
+    """Raise ConfigError where an import would take the place of anything but another import."""
+    for each in (*_may_be_written(folder), TABLE_FILE):
+        if (folder / each).is_symlink():
+            raise ConfigError(str(folder), each, "a file of an import's own", "a link")
+    there = [each for each in _may_be_written(folder) if (folder / each).exists()]
+    if there and not (folder / TABLE_FILE).exists():
+        expected = f"a new one, or that of an earlier import, which has {TABLE_FILE}"
+        raise ConfigError(str(folder), "folder", expected, ", ".join(there))
 
 
 @contextmanager
@@ -244,13 +261,34 @@ def _say_settings(contract: Contract, settings: Mapping[str, Any]) -> None:
         elif key == "observation":
             items = [item if isinstance(item, dict) else {"block": item} for item in value]
             terms.say_terms(contract, [(item, place) for item in items], Stated(value, place, key))
-        elif key.startswith(("joints.", "servos.")) and isinstance(value, (int, float)) and key not in _SCALARS:
-            contract.say(key, {joint: float(value) for joint in contract.robot.servos}, place)
-        else:
+        elif key in _BY_JOINT:
+            contract.say(key, _by_joint(key, value, contract.robot.servos), place)
+        elif key in _ALONE or key.startswith("start."):
             contract.say(key, value, place)
+        else:
+            raise unknown_key("settings", key, key, [*_BY_JOINT, *_ALONE, "joints.order", "observation", "start.*"])
 
 
-_SCALARS = ("joints.limit", "joints.delay", "joints.filter")
+_BY_JOINT = (
+    *(f"joints.{key}" for key in ("home", "offset", "scale", "lower", "upper")),
+    *(f"servos.{key}" for key in environment.SERVOS),
+)
+_ALONE = (
+    *("joints.limit", "joints.delay", "joints.filter", "joints.command", "joints.observed"),
+    *("policy_dt", "physics_dt", "episode_seconds", "friction", "command", "command.ranges"),
+    *("clock", "height_scan", "constants", "history.by", "history.order", "history.before"),
+)
+
+
+def _by_joint(key: str, value: Any, servos: Sequence[str]) -> dict[str, float]:
+    """A number for every servo, or some by name. Raises ConfigError."""
+    given = value if isinstance(value, Mapping) else dict.fromkeys(servos, value)
+    for joint, number in given.items():
+        if joint not in servos:
+            raise unknown_key("settings", key, joint, servos)
+        if isinstance(number, bool) or not isinstance(number, (int, float)) or not math.isfinite(number):
+            raise ConfigError("settings", f"{key}.{joint}" if given is value else key, "a finite number", repr(number))
+    return {joint: float(number) for joint, number in given.items()}
 
 
 def _require(contract: Contract, file: str) -> None:

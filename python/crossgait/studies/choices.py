@@ -193,7 +193,9 @@ def all_engines(engines: EnginesLike | None, study: str) -> list[str]:
 
 
 def worker_count(workers: int | None) -> int:
-    """Return the threads given, or as many as the process may use cores."""
+    """Return the threads given, or as many as the process may use cores. Raises ConfigError for none."""
+    if workers is not None and workers < 1:
+        raise ConfigError("study", "workers", "at least 1", str(workers))
     return workers if workers is not None else len(os.sched_getaffinity(0))
 
 

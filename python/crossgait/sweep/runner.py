@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass
 from types import FrameType
 from typing import Any
 
+from crossgait.errors import ConfigError
 from crossgait.sweep.executors import Executor, Outcome
 from crossgait.sweep.rows import RowFile
 from crossgait.sweep.runs import Run, failed_row
@@ -103,6 +104,11 @@ def sweep(
         ConfigError: if the file holds something else, is being written by another sweep, or has no room.
 
     """
+    if not callable(executor):
+        expected = "a function that makes one, such as functools.partial(ProcessPool, 4)"
+        raise ConfigError("sweep", "executor", expected, type(executor).__name__)
+    if isinstance(runs, (str, os.PathLike)) or not isinstance(runs, Sequence):
+        raise ConfigError("sweep", "runs", "runs of a study: Study.load(file).runs()", type(runs).__name__)
     with RowFile(rows) as file:
         todo = deque(r for r in runs if file.failed.get(r.hash, True) and (retry_failed or r.hash not in file.failed))
         summary = Summary(runs=len(runs), there_before=len(runs) - len(todo))

@@ -21,8 +21,8 @@ Indices = npt.NDArray[np.intp]
 _MOVING = 0.1  #: m/s and rad/s; commands below it ask for standing
 
 
-def _bodies(env: Batch, names: Sequence[str]) -> list[int]:
-    return [env.body_index(name) for name in names]
+def _bodies(env: Batch, names: str | Sequence[str]) -> list[int]:
+    return [env.body_index(name) for name in ([names] if isinstance(names, str) else names)]
 
 
 def feet_air_time(env: Batch, threshold: float = 0.5) -> FloatArray:
@@ -46,13 +46,13 @@ def foot_clearance(env: Batch, height: float) -> FloatArray:
     return np.asarray(((above - height) ** 2 * speed).sum(axis=1))
 
 
-def undesired_contacts(env: Batch, bodies: Sequence[str], threshold: float = 1.0) -> FloatArray:
+def undesired_contacts(env: Batch, bodies: str | Sequence[str], threshold: float = 1.0) -> FloatArray:
     """How many of `bodies` the ground carries with more than `threshold`, N."""
     force = np.linalg.norm(env.body_contact_forces[:, _bodies(env, bodies)], axis=2)
     return np.asarray((force > threshold).sum(axis=1), np.float64)
 
 
-def illegal_contact(env: Batch, bodies: Sequence[str], threshold: float = 1.0) -> Flags:
+def illegal_contact(env: Batch, bodies: str | Sequence[str], threshold: float = 1.0) -> Flags:
     """Whether the ground carries any of `bodies` with more than `threshold`, N: a termination."""
     return np.asarray(undesired_contacts(env, bodies, threshold) > 0)
 

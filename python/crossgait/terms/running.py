@@ -111,7 +111,7 @@ class RunningTerms:
         """Return which episodes terms terminate and truncate."""
         ended = np.zeros((2, self._count), np.bool_)
         for name, term in self.terms.terminations.items():
-            value = np.asarray(_returned(f"terminations.{name}", term, self.env))
+            value = _array_of(f"terminations.{name}", term, self.env)
             if value.dtype != np.bool_ or value.shape != (self._count,):
                 raise _wrong(f"terminations.{name}", f"bool of shape ({self._count},)", value)
             ended[int(term.time_out)] |= value
@@ -121,7 +121,7 @@ class RunningTerms:
         """Return the sum of weight times value, (n,)."""
         total = np.zeros(self._count)
         for name, term in self.terms.rewards.items():
-            value = np.asarray(_returned(f"rewards.{name}", term, self.env), np.float64)
+            value = _numbers_of(f"rewards.{name}", term, self.env)
             if value.shape != (self._count,):
                 raise _wrong(f"rewards.{name}", f"shape ({self._count},)", value)
             value = term.weight * value
@@ -142,7 +142,7 @@ class RunningTerms:
         return np.concatenate(parts, axis=1) if parts else np.zeros((self._count, 0))
 
     def _observe(self, place: str, term: ObservationTerm) -> FloatArray:
-        value = np.asarray(_returned(place, term, self.env), np.float64)
+        value = _numbers_of(place, term, self.env)
         if value.ndim == 1:
             value = value[:, None]
         if value.ndim != 2 or value.shape[0] != self._count:
@@ -242,6 +242,26 @@ def _returned(place: str, term: Any, env: Batch) -> Any:
     if value is None:
         raise ConfigError("terms", place, "an array, a number for each environment", "None: is a return missing?")
     return value
+
+
+def _array_of(place: str, term: Any, env: Batch) -> npt.NDArray[Any]:
+    value = _returned(place, term, env)
+    try:
+        return np.asarray(value)
+    except Exception as error:  # of whatever NumPy asks for its numbers
+        raise ConfigError("terms", place, "an array, a number for each environment", _found(value, error)) from error
+
+
+def _numbers_of(place: str, term: Any, env: Batch) -> FloatArray:
+    value = _array_of(place, term, env)
+    try:
+        return np.asarray(value, np.float64)
+    except (TypeError, ValueError) as error:
+        raise ConfigError("terms", place, "numbers", _found(value, error)) from error
+
+
+def _found(value: Any, error: Exception) -> str:
+    return f"{type(value).__name__} ({error})"
 
 
 def _wrong(place: str, expected: str, value: npt.NDArray[Any]) -> ConfigError:

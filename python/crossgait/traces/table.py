@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +38,14 @@ class TraceTable:
     def __len__(self) -> int:
         return len(self.values)
 
+    def __iter__(self) -> Iterator[str]:
+        """Go through the names of the columns."""
+        return iter(self.names)
+
+    def keys(self) -> Sequence[str]:
+        """Names of the columns, as a mapping has them."""
+        return self.names
+
     def __contains__(self, column: object) -> bool:
         return column in self._index
 
@@ -45,9 +54,13 @@ class TraceTable:
         try:
             column_values: Numbers = self.values[:, self._index[column]]
         except KeyError:
-            groups = dict.fromkeys(name.partition(".")[0] for name in self.names)
-            known = f"one of trace.names ({len(self.names)}: {', '.join(groups)})"
             found = column if isinstance(column, str) else repr(column)
+            parts = self.group(column) if isinstance(column, str) else {}
+            groups = dict.fromkeys(name.partition(".")[0] for name in self.names)
+            known = f"one of trace.names ({len(self.names)}, of the groups {', '.join(groups)})"
+            if parts:
+                parted = ", ".join(f"{column}.{part}" for part in parts)
+                known = f"one of its parts, {parted}, or trace.group({column!r})"
             raise ConfigError("trace", "column", known, found) from None
         return column_values
 

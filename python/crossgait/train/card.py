@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from crossgait.errors import ConfigError
-from crossgait.files import read_bytes, written_whole
+from crossgait.files import written_whole
 from crossgait.train import evaluation, record
+from crossgait.train.folder import commands_of
 from crossgait.train.plan import Plan
 from crossgait.train.trainer import EVALUATIONS, PROGRESS, Clock, Trained
 
@@ -53,7 +53,7 @@ def write(plan: Plan, folder: Path, trained: Sequence[Trained]) -> str:
 
 
 def _what(plan: Plan, folder: Path, trained: Sequence[Trained]) -> list[str]:
-    commands = [json.loads(line) for line in read_bytes(folder / "commands.jsonl", 1 << 20).splitlines()]
+    commands = commands_of(folder)
     first, versions = commands[0], commands[-1]["versions"]
     engines = ", ".join(f"{name} ({count})" for name, count in plan.engines)
     git = first["git"]

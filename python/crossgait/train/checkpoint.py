@@ -58,10 +58,26 @@ def load(folder: Path, model: PPO, normalise: VecNormalize) -> dict[str, Any]:
         np.random.set_state((kind, keys.numpy().astype(np.uint32), *rest))  # noqa: NPY002  what PPO shuffles by
         version, words, gauss = states["python"]
         random.setstate((version, tuple(words), gauss))
+        state: dict[str, Any] = _converted(document["state"], torch.Tensor, torch.Tensor.numpy)
+        _check_state(state)
     except Exception as error:  # of zip files, pickles, shapes
         raise _not_ours(folder, error) from error
-    state: dict[str, Any] = _converted(document["state"], torch.Tensor, torch.Tensor.numpy)
     return state
+
+
+def _check_state(state: dict[str, Any]) -> None:
+    """Raise what is wrong with counters and times."""
+    for name in ("rollout", "evaluated"):
+        if not isinstance(state[name], int) or state[name] < -1:
+            raise ValueError(f"{name} {state[name]!r}")
+    for name, seconds in state["spent"].items():
+        if not isinstance(seconds, float) or not seconds >= 0:
+            raise ValueError(f"spent.{name} {seconds!r}")
+    best = state["best"]
+    if best is not None and not isinstance(best["score"], float):
+        raise ValueError(f"best.score {best['score']!r}")
+    if not isinstance(state.get("terms", {}), (dict, type(None))):
+        raise ValueError("terms")
 
 
 def _converted(value: Any, kind: type, into: Callable[[Any], Any]) -> Any:

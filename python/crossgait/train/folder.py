@@ -16,10 +16,11 @@ from typing import Any
 
 from crossgait import _core
 from crossgait.errors import ConfigError
-from crossgait.files import locked_folder, written_whole
+from crossgait.files import locked_folder, read_bytes, written_whole
 from crossgait.train.plan import Plan
 
 CONFIG, COMMANDS, ENVIRONMENT, _LOCK = "config.yaml", "commands.jsonl", "environment.yaml", ".lock"
+MOST_COMMANDS = 1 << 20  #: bytes
 #: What a run writes in its folder.
 WRITTEN = (
     *(CONFIG, COMMANDS, ENVIRONMENT, _LOCK, "checkpoint.pt", "progress.csv", "evaluations.csv", "card.md"),
@@ -34,14 +35,26 @@ def locked(folder: Path) -> AbstractContextManager[None]:
 
 
 def begin(folder: Path, plan: Plan, arguments: Sequence[str], *, resume: bool) -> None:
-    """Write what is run, and by what. Raises ConfigError for a folder that has a run, unless it goes on."""
-    if not resume and (folder / CONFIG).exists():
-        raise ConfigError(str(folder), "folder", "an empty one, or --resume", "a run")
+    """Write what is run, and by what.
+
+    Raises ConfigError for a folder that holds anything, unless a run goes on in it, and for links and pipes in the
+    place of its files.
+    """
+    there = [each for each in sorted(folder.iterdir()) if not each.name.startswith(".")]
+    if there and not resume:
+        found = "a run" if (folder / CONFIG).exists() else f"{there[0].name}, {len(there)} in all"
+        raise ConfigError(str(folder), "folder", "an empty one, or --resume", found)
+    for each in there:
+        if each.is_symlink() or not (each.is_file() or each.is_dir()):
+            raise ConfigError(str(folder), each.name, "a file of the run's own", "a link, a pipe or a device")
     for name, text in ((CONFIG, plan.to_yaml()), (ENVIRONMENT, plan.evaluated.to_yaml())):
         with written_whole(folder / name) as beside:
             beside.write_text(text)
-    with (folder / COMMANDS).open("a") as file:
-        file.write(json.dumps(_command(plan, arguments)) + "\n")
+    commands = folder / COMMANDS
+    before = read_bytes(commands, MOST_COMMANDS) if commands.exists() else b""
+    whole = before[: before.rfind(b"\n") + 1]  # without what a full disk, or a stop, left of a line
+    with written_whole(commands) as beside:
+        beside.write_bytes(whole + json.dumps(_command(plan, arguments)).encode() + b"\n")
 
 
 def _command(plan: Plan, arguments: Sequence[str]) -> dict[str, Any]:
@@ -58,20 +71,37 @@ def _command(plan: Plan, arguments: Sequence[str]) -> dict[str, Any]:
     }
 
 
+def commands_of(folder: Path) -> list[dict[str, Any]]:
+    """What was run in the folder, in order. Raises ConfigError."""
+    file = folder / COMMANDS
+    found = []
+    for number, line in enumerate(read_bytes(file, MOST_COMMANDS).splitlines(), 1):
+        try:
+            said = json.loads(line)
+        except ValueError:
+            said = None
+        if not isinstance(said, dict) or not said.keys() >= {"command", "git", "processors", "versions"}:
+            raise ConfigError(str(file), f"line {number}", "a command that was run here", "something else")
+        found.append(said)
+    return found
+
+
 def _git() -> dict[str, Any] | None:
     """Of the folder that the run was begun in; None if it is not under Git."""
     try:
         commit = _run_git("rev-parse", "HEAD")
-        changed = _run_git("status", "--porcelain", "--untracked-files=no")
+        here, staged = _run_git("diff-files", "--name-only"), _run_git("diff-index", "--cached", "--name-only", "HEAD")
     except (OSError, subprocess.SubprocessError):
         return None
-    return {"commit": commit, "changed": changed.splitlines()}
+    return {"commit": commit, "changed": sorted({*here.splitlines(), *staged.splitlines()})}
 
 
 def _run_git(*arguments: str) -> str:
-    # A repository's own configuration may name a program that git runs to see what has changed.
+    # A repository's own configuration may name programs: one that sees what has changed, hooks, and filters, through
+    # which `status` has files looked at whose times have changed.
+    own = ["-c", "core.fsmonitor=false", "-c", "core.hooksPath=/dev/null"]
     done = subprocess.run(
-        ["git", "-c", "core.fsmonitor=false", *arguments], capture_output=True, text=True, timeout=20, check=True
+        ["git", "--no-optional-locks", *own, *arguments], capture_output=True, text=True, timeout=20, check=True
     )
     return done.stdout.rstrip()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -73,10 +74,13 @@ class Hierarchy:
         return file
 
 
+_OF_A_RUN = re.compile(r"(planner|residual)-\d+\.safetensors")  #: as `Hierarchy.write` names bundles
+
+
 def _remove_unnamed(folder: Path) -> None:
     named = {name for path in folder.glob("*.yaml") for name in bundles_of(path)}
     for bundle in folder.glob("*.safetensors"):
-        if bundle.name not in named:
+        if bundle.name not in named and _OF_A_RUN.fullmatch(bundle.name):
             bundle.unlink()
 
 

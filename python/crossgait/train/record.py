@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from crossgait.errors import ConfigError
 from crossgait.files import read_bytes, written_whole
 
 Row = dict[str, Any]
@@ -26,7 +27,7 @@ class Table:
         if last is None:
             path.unlink(missing_ok=True)
         elif path.exists():
-            rows = [row for row in read(path) if row[key] <= last]
+            rows = [row for row in read(path) if _number(path, row, key) <= last]
             self._columns = list(rows[0]) if rows else []
             with written_whole(path) as beside:
                 beside.write_text("".join([self._text(self._columns), *map(self._line, rows)]) if rows else "")
@@ -57,9 +58,24 @@ def read(path: Path) -> list[Row]:
     """Rows of a table, numbers as numbers and what is missing as None; a torn last line is none."""
     if not path.exists():
         return []
-    lines = read_bytes(path, MOST_BYTES).decode().splitlines(keepends=True)
+    try:
+        lines = read_bytes(path, MOST_BYTES).decode().splitlines(keepends=True)
+    except UnicodeDecodeError as error:
+        raise ConfigError(str(path), "file", "a table of this run, in UTF-8", str(error)) from error
     whole = [line for line in lines if line.endswith("\n")]
-    return [{k: _value(v) for k, v in row.items()} for row in csv.DictReader(whole)]
+    rows = []
+    for number, row in enumerate(csv.DictReader(whole), 2):
+        if None in row or None in row.values():
+            raise ConfigError(str(path), f"line {number}", "as many values as the first has names", "another number")
+        rows.append({k: _value(v) for k, v in row.items()})
+    return rows
+
+
+def _number(path: Path, row: Row, key: str) -> float:
+    value = row.get(key)
+    if not isinstance(value, (int, float)):
+        raise ConfigError(str(path), key, "a number in each row", "none" if value is None else repr(value))
+    return value
 
 
 def _value(text: str) -> Any:

@@ -39,6 +39,14 @@ _LOGGED = (
 )
 
 
+_ENDINGS = (".safetensors", ".yaml")  #: of a policy, whole or hierarchical
+
+
+def _is_begun(folder: Path) -> bool:
+    policies = [f"{name}{ending}" for name in (BEST, LAST) for ending in _ENDINGS]
+    return any((folder / name).exists() for name in (PROGRESS, EVALUATIONS, *policies))
+
+
 class Clock:
     """Wall time by what it was spent on, s."""
 
@@ -83,10 +91,17 @@ class Trainer:
         `workers` collect rollouts where the plan says `block`, by default processes of this machine.
 
         Raises:
-            ConfigError: for what cannot be made, or workers without a `block`.
+            ConfigError: for what cannot be made, workers without a `block`, or a folder that has another run.
 
         """
         folder = Path(folder)
+        there = (folder / checkpoint.NAME).exists()
+        if not resume and (there or _is_begun(folder)):
+            raise ConfigError(str(folder), "folder", "an empty one, or resume=True", "a run")
+        if resume and not there and _is_begun(folder) and len(record.read(folder / PROGRESS)) > 1:
+            expected = "what the run goes on from; it cannot be made again from the rest"
+            raise ConfigError(str(folder / checkpoint.NAME), "file", expected, "none")
+        there = there and resume
         self.plan, self.folder, self._title = plan, folder, title
         self.learner = learner or WholePolicy(plan)
         torch.set_num_threads(plan["threads"])
@@ -103,7 +118,6 @@ class Trainer:
         self.model = self.learner.model(plan, self.normalise)
         self.model.lr_schedule = self._learning_rate
         self.state: Json = {"rollout": 0, "best": None, "evaluated": -1, "zero": None, "spent": {}}
-        there = resume and (folder / checkpoint.NAME).exists()
         if there:
             self.state = checkpoint.load(folder, self.model, self.normalise)
             self.envs.keep(self.state.pop("terms", None))
@@ -123,7 +137,7 @@ class Trainer:
     @property
     def trained(self) -> Trained:
         """What there is so far."""
-        best = next(self.folder.glob(f"{BEST}.*"))
+        best = next(each for ending in _ENDINGS if (each := self.folder / f"{BEST}{ending}").exists())
         return Trained(self._title or "policy", self.plan, self.folder, best, self.state)
 
     def run(self) -> None:

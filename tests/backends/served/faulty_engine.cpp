@@ -133,9 +133,9 @@ ServedRequest request_of(const std::string& name) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 2 || std::getenv(kServedVariable) == nullptr) return 2;
+  if (count < 2 || std::getenv(kServedVariable) == nullptr) return 2;
   Server server;
-  std::ifstream file(arguments[1]);
+  std::ifstream file(arguments[count - 1]);
   file >> server.request;
   std::getline(file >> std::ws, server.fault);
   if (server.request == "start") {

@@ -28,5 +28,20 @@ TEST_F(PythonProgram, RunsNothingOfTheCurrentFolder) {
   EXPECT_FALSE(std::filesystem::exists(path("ran")));
 }
 
+// A file that serves may have modules beside it, but not in the place of packages.
+TEST_F(PythonProgram, RunsAFileWithWhatIsBesideItLast) {
+  write("json.py", "open('ran', 'w')\n");
+  write("beside.py", "answer = 42\n");
+  write("engine.py",
+        "import sys, json, beside\nprint(beside.answer, __name__, sys.argv[1:], json.dumps([]))\n");
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_);
+  const auto ran = run_child(python_file_command("engine.py"));
+  std::filesystem::current_path(before);
+  ASSERT_TRUE(ran);
+  EXPECT_EQ(ran->out, "42 __main__ [] []\n") << ran->errors;
+  EXPECT_FALSE(std::filesystem::exists(path("ran")));
+}
+
 }  // namespace
 }  // namespace crossgait
