@@ -115,12 +115,17 @@ def as_policies(value: Any, source: str = "policies") -> list[Any]:
     policies = list(value)
     if not policies:
         raise ConfigError(source, "policies", "at least one", "none")
-    names = [known if isinstance(known, str) else p.name for p in policies for known in [as_policy(p, source)]]
+    names = [os.fspath(p) if isinstance(p, (str, os.PathLike)) else getattr(p, "name", None) for p in policies]
+    check_names_apart([name for name in names if name is not None], source)
+    return policies
+
+
+def check_names_apart(names: Sequence[str], source: str) -> None:
+    """Raise ConfigError for a name that is there twice."""
     for name in names:
         if names.count(name) > 1:
             expected = "policies of different names, by which results tell them apart (FunctionPolicy(make, name))"
             raise ConfigError(source, "policies", expected, f"'{name}' twice")
-    return policies
 
 
 def environment_for(environment: Any, *policies: Any, source: str = "environment") -> EnvironmentConfig:

@@ -151,6 +151,10 @@ def test_no_function_of_the_core_answers_with_a_list_of_signatures() -> None:
         ),
         (lambda: MlpNetwork([]), r"network: layers: expected at least one, found none"),
         (lambda: MlpNetwork([(np.zeros((3, 2)), np.zeros(2))]), r"size of a layer's bias: expected 3, found 2"),
+        (
+            lambda: crossgait.rollout(["serial_joints", crossgait.Policy.load("serial_joints")]),
+            r"policies: expected policies of different names.*'serial_joints' twice",
+        ),
         (lambda: crossgait.rollout(["zero", "zero"]), r"policies: expected policies of different names.*'zero' twice"),
         (lambda: crossgait.rollout("net.onnx", EnvironmentConfig()), r"expected .*crossgait import"),
         (lambda: terms.Terms(rewards=[1]), r"terms: rewards: expected a mapping of names to RewardTerm, found list"),

@@ -399,6 +399,17 @@ def test_wrappers_work(env_id: str, engine: str) -> None:
     assert np.abs(observation).max() < 10  # normalised: some standard deviations
 
 
+@pytest.mark.parametrize(
+    ("keyword", "meant"), [("dtyp", "dtype"), ("widht", "width"), ("worker", "workers"), ("n_envs", "num_envs")]
+)
+def test_keywords_of_environments_say_what_was_meant(keyword: str, meant: str) -> None:
+    make = gymnasium.make_vec if meant in ("workers", "num_envs") else gymnasium.make
+    with pytest.raises(TypeError, match=f"no keyword '{keyword}': did you mean '{meant}'"):
+        make("Crossgait/JointControl-v0", **{keyword: 3})
+    with pytest.raises(crossgait.ConfigError, match="did you mean friction"):
+        make("Crossgait/JointControl-v0", frction=0.5)
+
+
 def test_environments_say_what_they_are() -> None:
     from crossgait.sb3 import CrossgaitVecEnv
 

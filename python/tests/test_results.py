@@ -57,6 +57,14 @@ def test_every_command_of_a_policy_has_traces() -> None:
 JOINTS = EnvironmentConfig.load(Path(crossgait.models_dir()) / "policies/serial_joints/environment.yaml").to_dict()
 
 
+def test_terms_that_came_to_nothing_are_zero() -> None:
+    config = {"action": "joints", "episode_seconds": 0.2, "policy_dt": 0.02}
+    frame = crossgait.rollout(["zero", "random"], config, episodes=2).to_frame()
+    terms = frame[[column for column in frame if column.startswith("reward_terms.")]]
+    assert (terms.loc["zero"] == 0).any(axis=None)
+    assert not terms.isna().any(axis=None)
+
+
 def test_tables_are_told_apart_by_their_index() -> None:
     rolled = crossgait.rollout(["zero", "random"], SHORT, episodes=2).to_frame()
     assert rolled.index.names == ["policy", "episode"]

@@ -355,6 +355,11 @@ def test_rows_are_a_table(serial: list[bytes], tmp_path: Path) -> None:
         (table["distance_m"] / table["simulated_seconds"]).to_numpy()
     )
     assert table["error"].isna().all()
+    failed = json.dumps({"hash": first["hash"], "run": None, "error": "again, elsewhere"}).encode() + b"\n"
+    file.write_bytes(serial[0] + failed)  # as of two files put together
+    assert load(file)["error"].isna().all()
+    assert write_sorted(file, [first["hash"]], tmp_path / "one.jsonl") == 1
+    assert lines(tmp_path / "one.jsonl") == [serial[0]]
     file.write_bytes(b"")
     assert len(load(file)) == 0
 

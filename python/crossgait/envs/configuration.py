@@ -6,11 +6,17 @@ from collections.abc import Mapping
 from typing import Any
 
 from crossgait._core import EnvironmentConfig, available_engines
-from crossgait.errors import ConfigError
+from crossgait.errors import ConfigError, nearest
 from crossgait.inputs import EnvironmentLike, as_environment
 from crossgait.terms import Terms, with_terms
 
 ConfigLike = EnvironmentLike | None
+
+#: What environments take beside keys of the configuration.
+_OWN = (
+    *("config", "terms", "dtype", "render_mode", "width", "height", "camera"),
+    *("num_envs", "workers", "max_episode_steps", "autoreset_mode"),
+)
 
 
 def make_config(
@@ -32,5 +38,8 @@ def make_config(
     if made.action != action:
         raise ConfigError("config", "action", f"{action}, which this environment is of", made.action)
     given = {key: value for key, value in keys.items() if value is not None}
+    for key in given:
+        if (near := nearest(key, [*_OWN, *made.to_dict()])) in _OWN:
+            raise TypeError(f"an environment has no keyword '{key}': did you mean '{near}'?")
     made = made.updated(given, "keyword arguments") if given else made
     return made if terms is None else with_terms(made, terms)

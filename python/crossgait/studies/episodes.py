@@ -17,6 +17,7 @@ from crossgait.inputs import (
     as_names,
     as_policies,
     as_policy,
+    check_names_apart,
     environment_for,
     terrain_texts,
 )
@@ -53,6 +54,10 @@ def rollout(
     chosen = as_policies(policies, "rollout")
     config = environment_for(environment, *chosen, source="rollout")
     known = [as_policy(policy, "rollout") for policy in chosen]
+    names = [
+        one if isinstance(one, str) else getattr(given, "name", "") for one, given in zip(known, chosen, strict=True)
+    ]
+    check_names_apart(names, "rollout")
     with ProgressShown(progress) as told:
         (document, text), recorded = _core._rollout(config, known, episodes, worker_count(workers), seed, trace, told)
     return Rollout(document, text, traces_of(recorded, [run["policy"] for run in document["policies"]]))

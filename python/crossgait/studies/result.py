@@ -58,7 +58,12 @@ class Result:
 
         index = list(self._index)
         rows = [{**dict.fromkeys(index), **row} for row in self._rows()]
-        return pd.DataFrame(rows, columns=None if rows else index).set_index(index)
+        frame = pd.DataFrame(rows, columns=None if rows else index).set_index(index)
+        # Results say the terms that came to something; where one has a column, others came to nothing.
+        for column in frame.columns:
+            if str(column).startswith("reward_terms."):
+                frame[column] = frame[column].fillna(0.0)
+        return frame
 
     def plot(self) -> Figure:
         """Draw it with matplotlib."""

@@ -91,7 +91,10 @@ def write_sorted(path: str | os.PathLike[str], hashes: Iterable[str], target: st
 
     """
     check_outputs([("--sorted", target)], [("the rows", path), ("the rows", f"{os.fspath(path)}.index")])
-    rows = {row["hash"]: line.rstrip(b"\n") + b"\n" for line, row in _whole_lines(Path(path))}
+    rows: dict[str, bytes] = {}
+    for line, row in _whole_lines(Path(path)):
+        if "error" not in row or row["hash"] not in rows:  # a run that was made is there, whatever failed besides
+            rows[row["hash"]] = line.rstrip(b"\n") + b"\n"
     there = [rows[name] for name in hashes if name in rows]
     with written_whole(target) as beside, beside.open("wb") as file:
         file.writelines(there)
@@ -167,7 +170,8 @@ def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | N
                 result["mean_speed_mps"] = result["distance_m"] / result["simulated_seconds"]
         row.update(result)
         row["error"] = said.get("error")
-        rows[said["hash"]] = row
+        if "error" not in said or said["hash"] not in rows:
+            rows[said["hash"]] = row
     order = rows if said_of is None else [name for name in said_of if name in rows]
     columns = None if rows else ["hash", "error"]
     return pd.DataFrame([rows[name] for name in order], columns=columns).set_index("hash")
