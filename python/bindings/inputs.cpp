@@ -11,6 +11,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "backends/registry.h"
 #include "physics/core/error.h"
 #include "physics/core/hash.h"
 #include "physics/core/utf8.h"
@@ -72,6 +73,20 @@ const Terrain& known_terrain(nb::handle value, const std::string& source) {
 }
 
 }  // namespace
+
+std::string contact_text_of(nb::handle value, const std::string& source) {
+  if (nb::isinstance<nb::str>(value)) return text_of(value, source, "contact");
+  if (!nb::hasattr(value, "keys"))
+    throw ConfigError(source, "contact", "settings as text, or a mapping of them", type_called(value));
+  const nb::object text = nb::module_::import_("crossgait.studies.choices").attr("contact_text")(value);
+  return text_of(text, source, "contact");
+}
+
+std::string engine_name_of(nb::handle value, const std::string& source) {
+  if (nb::isinstance<nb::str>(value)) return text_of(value, source, "engine");
+  if (nb::isinstance<EngineListing>(value)) return text_of(value.attr("name"), source, "engine");
+  throw ConfigError(source, "engine", "a name, or one of crossgait.engines()", type_called(value));
+}
 
 std::string text_of(nb::handle text, const std::string& source, const std::string& element) {
   Py_ssize_t size = 0;

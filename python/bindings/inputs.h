@@ -43,6 +43,22 @@ class TerrainLike : public nanobind::object {
 /// `source` for anything else, and for one that cannot be read
 Terrain terrain_of(nanobind::handle value, const std::string& source, std::uint64_t seed = 0);
 
+/// Takes anything: settings of contact as text, "impratio=100", or as a mapping of them; what it says in
+/// signatures.
+class ContactLike : public nanobind::object {
+  NB_OBJECT_DEFAULT(ContactLike, nanobind::object, "str | collections.abc.Mapping[str, typing.Any]",
+                    [](const PyObject*) { return true; })
+};
+/// Returns settings of contact as text. @throws ConfigError naming `source` for anything else
+std::string contact_text_of(nanobind::handle value, const std::string& source);
+
+/// Takes anything: an engine's name, or one of `crossgait.engines()`; what it says in signatures.
+class EngineLike : public nanobind::object {
+  NB_OBJECT_DEFAULT(EngineLike, nanobind::object, "str | Engine", [](const PyObject*) { return true; })
+};
+/// Returns the name of an engine. @throws ConfigError naming `source` for anything else
+std::string engine_name_of(nanobind::handle value, const std::string& source);
+
 /// Returns text that `make_terrain` gives back the same field of, to the last bit: a CSV file in the user's
 /// cache (`XDG_CACHE_HOME`, or ~/.cache), named by its contents, which is written unless it is there.
 /// @throws ConfigError if it cannot be written

@@ -118,21 +118,32 @@ Velocity command_of(const WalkConfig& config) {
 }
 
 constexpr const char* kWalkConstructor =
-    "def __init__(self, gait: str = 'trot', *, command: collections.abc.Sequence[float] | None = None, "
+    "def __init__(self, gait: str = 'trot', *, command: collections.abc.Sequence[float] | "
+    "collections.abc.Mapping[str, float] | None = None, "
     "parameters: collections.abc.Mapping[str, float | str] = {}, robot: str | os.PathLike[str] | Robot = "
     "'scara_quadruped', terrain: str | os.PathLike[str] | Terrain = 'flat', seed: int = 0, friction: float | "
-    "None = None, contact: str = '', seconds: float = 5.0, physics_dt: float = 0.001, control_dt: float = "
+    "None = None, contact: str | collections.abc.Mapping[str, typing.Any] = '', seconds: float = 5.0, "
+    "physics_dt: float = 0.001, control_dt: float = "
     "0.002, settle: float = 0.5, compensation: bool = True, heading_hold: bool = True, terminations: "
     "collections.abc.Sequence[str] = ['left_terrain']) -> None";
 
-void make_walk(PythonWalk* self, const std::string& gait, const Velocity& command, const Settings& parameters,
-               const nb::object& robot, const nb::object& terrain, std::uint64_t seed,
-               std::optional<double> friction, const std::string& contact, double seconds, double physics_dt,
-               double control_dt, double settle, bool compensation, bool heading_hold,
+// Three numbers, or a mapping as environments have it.
+Velocity velocity_of(nb::handle command) {
+  if (command.is_none()) return std::nullopt;
+  const nb::object made =
+      nb::module_::import_("crossgait.studies.choices").attr("velocity_of")(command, "Walk");
+  return nb::cast<std::array<double, 3>>(made);
+}
+
+void make_walk(PythonWalk* self, const std::string& gait, const nb::object& command,
+               const Settings& parameters, const nb::object& robot, const nb::object& terrain,
+               std::uint64_t seed, std::optional<double> friction, const ContactLike& contact, double seconds,
+               double physics_dt, double control_dt, double settle, bool compensation, bool heading_hold,
                const std::vector<std::string>& terminations) {
-  new (self) PythonWalk(WalkArguments{
-      gait, command, parameters, robot_text(robot, "Walk"), terrain_text(terrain, "Walk"), seed, friction,
-      contact, seconds, physics_dt, control_dt, settle, compensation, heading_hold, terminations});
+  new (self) PythonWalk(WalkArguments{gait, velocity_of(command), parameters, robot_text(robot, "Walk"),
+                                      terrain_text(terrain, "Walk"), seed, friction,
+                                      contact_text_of(contact, "Walk"), seconds, physics_dt, control_dt,
+                                      settle, compensation, heading_hold, terminations});
 }
 
 void bind_reading(nb::class_<PythonWalk>& c) {

@@ -55,10 +55,12 @@ Vector3 vector3(const nb::object& given, const char* what) {
 }
 
 std::unique_ptr<PhysicsBackend> make_world(const RobotLike& chosen, const TerrainLike& ground,
-                                           const std::string& engine, std::optional<double> friction,
-                                           const std::string& contact, double physics_dt,
+                                           const EngineLike& engine_like, std::optional<double> friction,
+                                           const ContactLike& contact_like, double physics_dt,
                                            const ArrayLike& gravity, bool fixed_base) {
   WorldSpec spec;
+  const std::string engine = engine_name_of(engine_like, "world"),
+                    contact = contact_text_of(contact_like, "world");
   const Robot robot = robot_of(chosen, "world");
   spec.robot = robot.description;
   spec.terrain = terrain_of(ground, "world");

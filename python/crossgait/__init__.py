@@ -140,3 +140,11 @@ __all__ = [
     "walk",
     "with_terms",
 ]
+
+#: Parts of the package that are imported by their names.
+_PARTS = ("envs", "policies", "rl_games", "rsl_rl", "sb3", "sweep", "terms", "train", "viewing")
+
+
+def __dir__() -> list[str]:
+    """List what there is to use, without what the package is made of."""
+    return sorted([*__all__, *_PARTS, *(name for name in globals() if name.startswith("__"))])

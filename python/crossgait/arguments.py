@@ -57,7 +57,10 @@ def checking_arguments(study: Callable[P, R]) -> Callable[P, R]:
         for key in keywords:
             if key not in known:
                 refuse(name, [key], known)
-        given = signature.bind(*arguments, **keywords).arguments
+        try:
+            given = signature.bind(*arguments, **keywords).arguments
+        except TypeError as error:  # which says what there is too much or too little of, but not where
+            raise TypeError(f"{name}(): {error}") from None
         check_types(name, given, known)
         _check_values(name, given)
         with noting_reads() as read:

@@ -42,6 +42,24 @@ def functions_of_the_stub() -> Iterator[tuple[str, ast.FunctionDef]]:
                 yield f"{owner}.{member.name}", member
 
 
+def test_what_is_listed_is_there_to_be_used() -> None:
+    listed = {name for name in dir(crossgait) if not name.startswith("_")}
+    assert listed >= {"walk", "World", "terms", "envs"}
+    assert not listed & {
+        "arguments",
+        "consent",
+        "extras",
+        "interpreter",
+        "signatures",
+        "tell_signatures",
+        "annotations",
+    }
+    for name in listed - {"rl_games", "rsl_rl"}:  # of libraries that need not be there
+        importlib.import_module(f"crossgait.{name}") if not hasattr(crossgait, name) else None
+    with pytest.raises(TypeError, match=r"^walk\(\): too many positional arguments"):
+        crossgait.walk("trot", "bullet")  # type: ignore[misc]
+
+
 def test_every_argument_of_the_core_has_a_name_and_a_type() -> None:
     nameless = []
     for name, function in functions_of_the_stub():

@@ -72,9 +72,9 @@ def subject_of(subject: Any, environment: Any, said: Mapping[str, Any], study: s
     """
     options = {key: said[key] for key in (*WALK_KEYWORDS, "speed") if said.get(key) is not None}
     if "command" in options:
-        options["command"] = _velocity(options["command"], study)
+        options["command"] = velocity_of(options["command"], study)
     if isinstance(options.get("contact"), Mapping):
-        options["contact"] = _contact_text(options["contact"])
+        options["contact"] = contact_text(options["contact"])
     if _is_policy(subject, environment):
         config = environment_for(environment, subject, source=study)
         return PolicyWalk(as_policy(subject, study), _with_options(config, _with_command(options, study), study))
@@ -90,7 +90,7 @@ def subject_of(subject: Any, environment: Any, said: Mapping[str, Any], study: s
     return subject
 
 
-def _velocity(command: Any, study: str) -> tuple[float, float, float]:
+def velocity_of(command: Any, study: str) -> tuple[float, float, float]:
     """Three numbers, or a mapping as environments have it, in which what is not said is 0."""
     names = ("vx", "vy", "yaw_rate")
     try:
@@ -104,7 +104,7 @@ def _velocity(command: Any, study: str) -> tuple[float, float, float]:
     return vx, vy, yaw_rate
 
 
-def _contact_text(settings: Mapping[str, Any]) -> str:
+def contact_text(settings: Mapping[str, Any]) -> str:
     """Settings of contact as an environment has them, as `Walk` takes them: impratio=100,solref=0.01:1."""
     texts = {k: ":".join(map(str, v)) if isinstance(v, (list, tuple)) else str(v) for k, v in settings.items()}
     return ",".join(f"{name}={text}" for name, text in texts.items())
