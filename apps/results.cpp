@@ -15,6 +15,7 @@
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
+#include "physics/core/json_once.h"
 #include "physics/core/text.h"
 #include "physics/robot_files/xacro/xacro_reader.h"
 #include "study/run_spec.h"
@@ -158,7 +159,13 @@ void JsonOption::emit(const std::string& text, ordered_json json) const {
 Recorded read_result(const std::string& file) {
   const std::string text = read_text_file(file, kResultBudget);
   check_json_budget(text, kResultBudget, file);
-  Json result = Json::parse(text, nullptr, false);
+  Json result;
+  try {
+    result = parse_json_once<Json>(text, [&file](const std::string& key) {
+      throw ConfigError(file, key, "each key once in an object", "twice");
+    });
+  } catch (const Json::exception&) {
+  }
   if (!result.is_object())
     throw ConfigError(file, "file", "a result as `--json` writes it", "no JSON object");
   return {file, std::move(result)};

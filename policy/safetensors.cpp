@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstdint>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,6 +11,7 @@
 
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
+#include "physics/core/json_once.h"
 #include "physics/core/text.h"
 
 namespace crossgait {
@@ -100,22 +100,12 @@ class HeaderReader {
   }
 
   ordered_json parse_header() const {
-    std::vector<std::set<std::string>> keys;  // of every open object: the parser keeps the last of equal ones
-    const auto check = [&](int, ordered_json::parse_event_t event, ordered_json& parsed) {
-      using Event = ordered_json::parse_event_t;
-      if (event == Event::object_start) {
-        keys.emplace_back();
-      } else if (event == Event::object_end) {
-        keys.pop_back();
-      } else if (event == Event::key && !keys.back().insert(parsed.get<std::string>()).second) {
-        fail("header", "each name once", fmt::format("'{}' twice", parsed.get<std::string>()));
-      }
-      return true;
-    };
     if (!header_.starts_with('{')) fail("header", "a JSON object", "something else");
     check_json_budget(header_, kPolicyBudget, source_ + ": header");
     try {
-      return ordered_json::parse(header_, check);
+      return parse_json_once<ordered_json>(header_, [this](const std::string& key) {
+        fail("header", "each name once", fmt::format("'{}' twice", key));
+      });
     } catch (const ordered_json::exception& error) {
       fail("header", "valid JSON", json_error_text(error));
     }

@@ -101,9 +101,14 @@ std::vector<std::string> command_of(const Json& result, const std::string& file)
 
 void check_same(const Json& recorded, const Provenance& now, const std::string& file) {
   Json before = recorded;
+  const Json hash = before.value("hash", Json());
   before.erase("hash");
   const Json after = without_hash(now);
-  if (before == after) return;
+  if (before == after) {
+    if (const std::string expected = fnv1a_hex(after.dump()); hash != expected)
+      throw ConfigError(file, "provenance.hash", expected + ", of the rest of it", hash.dump());
+    return;
+  }
   // What a person can do something about comes first.
   for (const char* key : {"crossgait", "engines", "files", "command", "arguments"}) {
     const Json one = before.value(key, Json());

@@ -120,6 +120,20 @@ TEST_F(Provenances, HoldWhatTheWalkWasMadeOf) {
   }
 }
 
+// What is damaged says nothing, though the walk be the same.
+TEST_F(Provenances, ThatAreDamagedAreRefused) {
+  json changed = result_;
+  changed["provenance"]["hash"] = std::string(16, '0');
+  expect_refused(changed, {"provenance.hash", result_["provenance"]["hash"]});
+  changed = result_;
+  changed["provenance"]["files"] = json::object();
+  expect_refused(changed, {"provenance.hash"});
+  std::string twice = result_.dump();
+  twice.insert(1, "\"distance_m\": 55.0, ");
+  write_file(file_, twice);
+  expect_bad_input("rerun " + file_, {"distance_m", "each key once", "twice"});
+}
+
 TEST_F(Provenances, OfGroundsAndGaitsHoldSeedsAndParameters) {
   const json ground = run_json("terrain rough")["provenance"];
   EXPECT_EQ(ground["seed"], 0);
