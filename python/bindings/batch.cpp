@@ -17,6 +17,7 @@
 #include "python/bindings/batch_parameters.h"
 #include "python/bindings/bindings.h"
 #include "python/bindings/busy.h"
+#include "python/bindings/not_made.h"
 #include "python/bindings/robot.h"
 
 namespace crossgait::python {
@@ -289,6 +290,9 @@ void bind_batch(nb::module_& m) {
       "The "
       "core gathers an array when it is first asked for in a step; asking again, and parts of it, cost no "
       "copy.");
+  batch.def("__init__",
+            not_made<Batch>("a Batch is that of an environment: core.batch(), env.unwrapped.batch"),
+            nb::sig(kNotMade));
   bind_arrays(batch);
   bind_names(batch);
   batch

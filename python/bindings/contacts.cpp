@@ -11,6 +11,7 @@
 #include "physics/core/error.h"
 #include "physics/engine/physics_backend.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/not_made.h"
 #include "python/bindings/world_snapshot.h"
 
 namespace crossgait::python {
@@ -67,6 +68,7 @@ WorldSnapshot snapshot_of(const SavedSnapshot& saved) {
 void bind_contacts(nb::module_& m) {
   nb::class_<Contact>(m, "Contact",
                       "A contact point between the robot and the ground in the last physics step.")
+      .def("__init__", not_made<Contact>("contacts are those of World.contacts"), nb::sig(kNotMade))
       .def_ro("body", &Contact::body, "Index into `Robot.bodies`.")
       .def_ro("leg", &Contact::leg, "0 to 3 for the foot of FL, FR, RL, RR; -1 for anything else.")
       .def_ro("p_WP", &Contact::p_WP, "m.")
@@ -86,6 +88,8 @@ void bind_contacts(nb::module_& m) {
       .def("__setstate__",
            [](Contact& c, const SavedContact& saved) { new (&c) Contact(contact_of(saved)); });
   nb::class_<FootContact>(m, "FootContact", "All contact points of one foot together.")
+      .def("__init__", not_made<FootContact>("contacts of feet are those of World.foot_contacts"),
+           nb::sig(kNotMade))
       .def_ro("touching", &FootContact::touching)
       .def_ro("force", &FootContact::force, "Sum, in W, N.")
       .def_ro("p_WP", &FootContact::p_WP, "Position of the deepest point, m.")
@@ -107,6 +111,7 @@ void bind_contacts(nb::module_& m) {
              new (&f) FootContact{touching, force, p_WP, slip_speed, penetration};
            });
   nb::class_<WorldSnapshot>(m, "Snapshot", "A saved instant of a world: restoring it continues bit for bit.")
+      .def("__init__", not_made<WorldSnapshot>("a Snapshot is what World.save makes"), nb::sig(kNotMade))
       .def_ro("engine_name", &WorldSnapshot::engine_name)
       .def_ro("state", &WorldSnapshot::state)
       .def("__repr__",

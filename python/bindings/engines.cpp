@@ -3,6 +3,7 @@
 
 #include "backends/registry.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/not_made.h"
 
 namespace crossgait::python {
 namespace {
@@ -24,6 +25,8 @@ nb::dict laws(const EngineInfo& info) {
 void bind_engines(nb::module_& m) {
   nb::class_<EngineListing> engine(m, "Engine",
                                    "A physics engine in one mode, by the name that it is chosen by.");
+  engine.def("__init__", not_made<EngineListing>("engines are those of crossgait.engines()"),
+             nb::sig(kNotMade));
   engine.def_ro("name", &EngineListing::name, "What other functions take as `engine`.")
       .def_ro("summary", &EngineListing::summary)
       .def_ro("available", &EngineListing::available, "Whether worlds can be made in it here.")

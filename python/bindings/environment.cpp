@@ -14,6 +14,7 @@
 #include "python/bindings/bindings.h"
 #include "python/bindings/busy.h"
 #include "python/bindings/json.h"
+#include "python/bindings/not_made.h"
 #include "python/bindings/robot.h"
 #include "python/bindings/step_info.h"
 
@@ -165,6 +166,8 @@ void bind_environment(nb::module_& m) {
       nb::sig("def reward_terms() -> dict[str, str]"), "What the names of the table of rewards mean.");
   nb::class_<QuadrupedEnv::Saved>(m, "SavedEpisode",
                                   "An instant of an episode: restoring it continues bit for bit.")
+      .def("__init__", not_made<QuadrupedEnv::Saved>("a SavedEpisode is what an environment's save makes"),
+           nb::sig(kNotMade))
       .def("__repr__", [](const QuadrupedEnv::Saved& s) {
         return fmt::format("<crossgait.SavedEpisode at {:g} s>", s.physics.state.time);
       });

@@ -21,6 +21,7 @@
 #include "python/bindings/inputs.h"
 #include "python/bindings/interruption.h"
 #include "python/bindings/job.h"
+#include "python/bindings/not_made.h"
 #include "python/bindings/robot.h"
 
 namespace crossgait::python {
@@ -150,6 +151,7 @@ nb::dict legs_of(const RobotLike& chosen) {
 void bind_kinematics(nb::module_& m) {
   nb::class_<RobotLeg>(m, "Leg",
                        "The kinematics of one leg. Feet are in the leg's frame: x forward, y left, z up, m.")
+      .def("__init__", not_made<RobotLeg>("legs are those of crossgait.legs(robot)"), nb::sig(kNotMade))
       .def_prop_ro(
           "name", [](const RobotLeg& l) { return std::string(name(l.which)); }, "FL, FR, RL or RR.")
       .def_prop_ro(

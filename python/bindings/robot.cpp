@@ -19,6 +19,7 @@
 #include "physics/robot_files/data_path.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/not_made.h"
 
 namespace crossgait::python {
 namespace {
@@ -142,6 +143,8 @@ int body_index(const RobotDescription& robot, const std::string& name, const std
 
 void bind_robot(nb::module_& m) {
   nb::class_<Robot>(m, "Robot", "A robot, read from its URDF, MJCF, SDF or robot.yaml. Immutable.")
+      .def("__init__", not_made<Robot>("a Robot is what Robot.load makes of a name or a file"),
+           nb::sig(kNotMade))
       .def_static(
           "load", [](const std::filesystem::path& path) { return load(path.string()); },
           nb::arg("name_or_file"),

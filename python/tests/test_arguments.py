@@ -193,6 +193,25 @@ def test_a_configuration_with_terms_is_copied_but_not_pickled() -> None:
         pickle.dumps(made)
 
 
+@pytest.mark.parametrize(
+    ("name", "where"),
+    [
+        ("Robot", r"Robot\.load"),
+        ("Engine", r"crossgait\.engines\(\)"),
+        ("Leg", r"crossgait\.legs\(robot\)"),
+        ("Contact", r"World\.contacts"),
+        ("FootContact", r"World\.foot_contacts"),
+        ("Snapshot", r"World\.save"),
+        ("Batch", r"env\.unwrapped\.batch"),
+        ("SavedEpisode", "save"),
+    ],
+)
+def test_what_is_not_made_by_its_name_says_where_it_comes_from(name: str, where: str) -> None:
+    for arguments in ((), ("mujoco",)):
+        with pytest.raises(TypeError, match=where):
+            getattr(_core, name)(*arguments)
+
+
 def test_walks_and_worlds_take_what_studies_take() -> None:
     assert Walk("trot", command={"vx": 0.2}) == Walk("trot", command=(0.2, 0, 0))
     assert Walk("trot", command=np.array([0.2, 0, 0])) == Walk("trot", command=(0.2, 0, 0))
