@@ -36,7 +36,6 @@ nb::object value_of(const QuantityChange& change) {
 
 void set_parameters(Batch& batch, const nb::dict& parameters, const Indices& indices) {
   const std::vector<std::size_t> which = chosen(batch, indices);
-  const nb::object ndarray = nb::module_::import_("numpy").attr("ndarray");
   for (std::size_t k = 0; k < which.size(); ++k) {
     std::vector<QuantityChange> changes(batch.at(which[k]).changes().begin(),
                                         batch.at(which[k]).changes().end());
@@ -46,9 +45,11 @@ void set_parameters(Batch& batch, const nb::dict& parameters, const Indices& ind
       std::erase_if(changes, [&](const QuantityChange& c) { return c.quantity == &quantity; });
       if (given.is_none()) continue;
       nb::object value = nb::borrow(given);
-      if (nb::isinstance(value, ndarray) || nb::hasattr(value, "__array__")) {  // tensors of learners, too
+      // Tensors of learners, too. A list is several numbers of one setting of contact, or one for each.
+      const bool is_list = nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value);
+      if (nb::hasattr(value, "__array__") || (is_list && quantity.group != "contact")) {
         const auto each = numbers_of(value);
-        if (each.ndim() == 0) {
+        if (nb::cast<int>(nb::getattr(value, "ndim", nb::cast(1))) == 0) {
           changes.push_back(
               parse_quantity_change(change_text(name, nb::cast(each.data()[0])), Batch::kSource));
           continue;
@@ -56,7 +57,7 @@ void set_parameters(Batch& batch, const nb::dict& parameters, const Indices& ind
         if (each.ndim() != 1 || each.size() != which.size())
           throw ConfigError(Batch::kSource, name,
                             fmt::format("an array of one number for each of {}", which.size()),
-                            nb::repr(value.attr("shape")).c_str());
+                            fmt::format("{}", each.size()));
         value = nb::cast(each.data()[k]);
       }
       changes.push_back(parse_quantity_change(change_text(name, value), Batch::kSource));

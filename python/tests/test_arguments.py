@@ -299,6 +299,28 @@ def test_an_episode_is_of_its_environment() -> None:
         two.restore(one.save())
 
 
+def test_parameters_are_numbers_lists_arrays_and_tensors() -> None:
+    torch = pytest.importorskip("torch")
+    envs = _core.VectorEnvironment(EnvironmentConfig(), 4)
+    envs.reset(1)
+    batch = envs.batch()
+    for four in (
+        [20.0, 25, 30, 35],
+        (20.0, 25, 30, 35),
+        np.array([20.0, 25, 30, 35]),
+        torch.tensor([20.0, 25, 30, 35]),
+    ):
+        batch.set_parameters({"kp": four})
+        assert [one["kp"] for one in batch.parameters] == [20, 25, 30, 35]
+    for one in (0.5, np.float32(0.5), torch.tensor(0.5)):
+        batch.set_parameters({"friction": one})
+        assert [said["friction"] for said in batch.parameters] == [0.5] * 4
+    with pytest.raises(ConfigError, match="kp: expected an array of one number for each of 4, found 3"):
+        batch.set_parameters({"kp": [1, 2, 3]})
+    with pytest.raises(TypeError, match=r"Policy\.load"):
+        crossgait.Policy("serial_joints")  # type: ignore[arg-type]
+
+
 def test_indices_of_a_batch_are_those_of_numpy() -> None:
     envs = _core.VectorEnvironment(EnvironmentConfig(), 4)
     envs.reset(1)

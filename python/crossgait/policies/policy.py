@@ -64,6 +64,10 @@ class Policy:
         text: str | None = None,
         environment: EnvironmentConfig | None = None,
     ) -> None:
+        if not isinstance(core, _core.Policy):
+            raise TypeError(
+                "a Policy is what Policy.load makes of a name or a file, and from_onnx, from_torch, from_sb3"
+            )
         self._core = core
         self._bundle = bundle
         self._text = text
