@@ -74,6 +74,12 @@ const Terrain& known_terrain(nb::handle value, const std::string& source) {
 
 }  // namespace
 
+std::string quoted(const std::string& name) {
+  const nb::object text =
+      nb::steal(PyUnicode_DecodeUTF8(name.data(), static_cast<Py_ssize_t>(name.size()), "backslashreplace"));
+  return nb::cast<std::string>(nb::repr(text));
+}
+
 std::string contact_text_of(nb::handle value, const std::string& source) {
   if (nb::isinstance<nb::str>(value)) return text_of(value, source, "contact");
   if (!nb::hasattr(value, "keys"))

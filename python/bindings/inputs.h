@@ -22,6 +22,10 @@ std::string robot_text(nanobind::handle value, const std::string& source);
 /// Returns a str as UTF-8. @throws ConfigError naming `source` and `element` for one that has no such bytes
 std::string text_of(nanobind::handle text, const std::string& source, const std::string& element);
 
+/// Returns a name from a file as Python shows a str: in quotes, in one line, without what a terminal would
+/// do.
+std::string quoted(const std::string& name);
+
 /// Returns the name of a value's type, for errors about it.
 std::string type_called(nanobind::handle value);
 

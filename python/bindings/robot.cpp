@@ -19,6 +19,7 @@
 #include "physics/robot_files/data_path.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/inputs.h"
 #include "python/bindings/not_made.h"
 
 namespace crossgait::python {
@@ -213,8 +214,8 @@ void bind_robot(nb::module_& m) {
              new (&r) Robot(unpickled(state.first, state.second));
            })
       .def("__repr__", [](const Robot& r) {
-        return "<crossgait.Robot '" + printable_text(r.description->name, std::string::npos) +
-               "': " + std::to_string(r.description->joint_count()) + " joints, " +
+        return "<crossgait.Robot " + quoted(r.description->name) + ": " +
+               std::to_string(r.description->joint_count()) + " joints, " +
                std::to_string(r.description->total_mass()) + " kg>";
       });
   m.def(

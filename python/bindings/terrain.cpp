@@ -149,7 +149,7 @@ void bind_terrain(nb::module_& m) {
           "of the plane, which has no heights, and for another ending.")
       .def("__getstate__", &state_of)
       .def("__setstate__", [](Terrain& self, const State& state) { new (&self) Terrain(of_state(state)); })
-      .def("__repr__", [](const Terrain& t) { return "<crossgait.Terrain '" + t.name() + "'>"; });
+      .def("__repr__", [](const Terrain& t) { return "<crossgait.Terrain " + quoted(t.name()) + ">"; });
 }
 
 }  // namespace crossgait::python

@@ -347,9 +347,10 @@ void bind_world(nb::module_& m) {
            "An impulse (N s, in W) at the base's centre of mass, spread over the next physics step.")
       .def("save", guarded(&save))
       .def("restore", guarded(&restore), nb::arg("snapshot"),
-           "Raises ConfigError if it is of another engine or robot.")
+           "Raises ConfigError if it is of another engine, or of a world of another robot, ground, contact "
+           "or time step.")
       .def("__repr__", guarded([](const PhysicsBackend& w) {
-             return "<crossgait.World of '" + w.robot().name + "' in " + w.info().name + " at " +
+             return "<crossgait.World of " + quoted(w.robot().name) + " in " + w.info().name + " at " +
                     std::to_string(w.state().time) + " s>";
            }));
 }

@@ -138,6 +138,14 @@ def test_bad_terrains_are_refused() -> None:
         Terrain().height(np.zeros(2), np.zeros(3))
 
 
+def test_names_of_files_do_nothing_to_a_terminal(tmp_path: Path) -> None:
+    file = tmp_path / "ev\x1b[31mIL\n.csv"
+    file.write_text("0,0\n0,.001\n")
+    shown = repr(crossgait.Terrain(str(file)))
+    assert "\\x1b[31mIL\\n" in shown
+    assert shown.isprintable()
+
+
 def test_a_robot_is_pickled_by_its_file_and_refused_once_that_changes(tmp_path: Path) -> None:
     robot = Robot.load("serial_quadruped")
     assert pickle.loads(pickle.dumps(robot)).to_yaml() == robot.to_yaml()
