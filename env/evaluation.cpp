@@ -85,8 +85,7 @@ std::vector<EpisodeSummary> evaluate_policy(const EnvFactory& make_env, const Po
 
 std::size_t Evaluation::ended_early() const noexcept {
   std::size_t sum = 0;
-  for (const OutcomeRow& row : outcome_rows())
-    sum += row.at_once || row.outcome == Outcome::kTerminated ? count(row.outcome) : 0;
+  for (const OutcomeRow& row : outcome_rows()) sum += ends_early(row.outcome) ? count(row.outcome) : 0;
   return sum;
 }
 

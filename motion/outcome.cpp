@@ -104,10 +104,11 @@ const OutcomeRow& outcome_row(Outcome outcome) noexcept {
 
 std::string_view name(Outcome outcome) noexcept { return outcome_row(outcome).name; }
 
-bool is_failure(Outcome outcome) noexcept {
-  return outcome == Outcome::kTerminated ||
-         (outcome_row(outcome).at_once && outcome != Outcome::kLeftTerrain);
+bool ends_early(Outcome outcome) noexcept {
+  return outcome_row(outcome).at_once || outcome == Outcome::kTerminated;
 }
+
+bool is_failure(Outcome outcome) noexcept { return ends_early(outcome) && outcome != Outcome::kLeftTerrain; }
 
 Outcome find_outcome(std::string_view name) {
   return find_row(kOutcomeRows, name, "outcome", "name").outcome;

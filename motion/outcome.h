@@ -47,6 +47,8 @@ struct OutcomeRow {
 std::span<const OutcomeRow> outcome_rows();
 const OutcomeRow& outcome_row(Outcome outcome) noexcept;
 std::string_view name(Outcome outcome) noexcept;
+/// Tells if a motion may end before its time by it: what is known at once, and a termination.
+bool ends_early(Outcome outcome) noexcept;
 /// Tells if it is a fall, collapse, open loop, divergence or a termination: whatever ends a motion but
 /// leaving the ground.
 bool is_failure(Outcome outcome) noexcept;

@@ -61,8 +61,7 @@ class ServedProcess {
   /// @param name  of the request, for messages; outlives this object
   bool request(std::uint32_t what, const char* name) noexcept;
   /// @throws ConfigError naming the source and the request, once one has failed; Interrupted, where it was
-  /// given
-  ///   up since the caller is to end
+  /// given up since the caller is to end
   void throw_if_lost() const;
   bool is_lost() const noexcept { return !failure_.empty(); }
   /// Takes the program to be lost for a reason of the caller's: an answer without sense. Ends it.

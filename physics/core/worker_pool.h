@@ -59,8 +59,8 @@ class WorkerPool {
   long process_ = 0;  // that has the threads
 
   std::atomic<std::size_t> round_{0};  // begins with every change
-  std::atomic<std::size_t> busy_{
-      0};  // threads that have not finished the round, and kLook for each look asked for
+  // Threads that have not finished the round, and kLook for each look that was asked for.
+  std::atomic<std::size_t> busy_{0};
   std::atomic<std::size_t> next_{0};  // index that nobody has taken
 
   std::mutex error_mutex_;

@@ -18,7 +18,6 @@ constexpr double kRunawaySpeed = 340.0;   // m/s
 constexpr double kRunawayRate = 1e4;      // rad/s
 constexpr double kRunawayAngle = 1e9;     // rad: a day at that rate
 constexpr double kRunawayDistance = 1e6;  // m
-constexpr double kMostSaved = 1e18;       // of targets and of counted steps
 // So that the first touch-down does not hang on the rounding of a distance of exactly zero.
 constexpr double kHomeClearance = 1e-4;  // m
 
@@ -298,18 +297,16 @@ void PhysicsBackend::restore(const Snapshot& snapshot) {
     throw ConfigError("restore", "engine", fmt::format("a snapshot of {}", info().name),
                       snapshot.engine_name);
   }
-  std::vector<double> own, drives;
+  std::vector<double> own;
   do_save(own);
-  drives_.save(drives);
-  const auto is_finite = [](double number) { return std::abs(number) < kMostSaved; };
-  if (own.size() != snapshot.engine.size() || drives.size() != snapshot.drives.size() ||
+  if (own.size() != snapshot.engine.size() || !drives_.can_restore(snapshot.drives) ||
       snapshot.state.q.size() != state_.q.size() || snapshot.state.qd.size() != state_.qd.size() ||
-      !std::all_of(snapshot.drives.begin(), snapshot.drives.end(), is_finite) ||
       !snapshot.state.is_finite() || snapshot.torques.size() != torques_.size() ||
       snapshot.servo_torques.size() != servo_torques_.size()) {
-    throw ConfigError("restore", "robot",
-                      fmt::format("a snapshot of {} with {} joints", robot().name, state_.q.size()),
-                      fmt::format("{} joints", snapshot.state.q.size()));
+    throw ConfigError(
+        "restore", "robot",
+        fmt::format("a snapshot of {} with {} joints, in finite numbers", robot().name, state_.q.size()),
+        fmt::format("{} joints", snapshot.state.q.size()));
   }
   check_indices(snapshot, robot());
   do_restore(snapshot.engine);

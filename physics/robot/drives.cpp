@@ -77,9 +77,17 @@ void Drives::save(std::vector<double>& out) const {
   out.insert(out.end(), held_.begin(), held_.end());
 }
 
+bool Drives::can_restore(const std::vector<double>& saved) const noexcept {
+  constexpr double kMost = 1e18;  // of targets and of counted steps
+  std::size_t size = 1 + static_cast<std::size_t>(held_.size());
+  for (const JointVector& row : line_) size += static_cast<std::size_t>(row.size());
+  return saved.size() == size && saved.front() >= 0 &&
+         std::all_of(saved.begin(), saved.end(), [](double number) { return std::abs(number) < kMost; });
+}
+
 void Drives::restore(const std::vector<double>& saved) {
   const double* next = saved.data();
-  steps_ = static_cast<std::uint64_t>(std::max(0.0, *next++));
+  steps_ = static_cast<std::uint64_t>(*next++);
   for (JointVector& row : line_) {
     std::copy_n(next, row.size(), row.begin());
     next += row.size();

@@ -33,7 +33,9 @@ class Drives {
 
   /// Appends all that the rest depends on to `out`.
   void save(std::vector<double>& out) const;
-  /// @param saved  what `save` of drives of the same robot and step wrote
+  /// Tells whether `save` of drives of the same robot and step may have written that.
+  bool can_restore(const std::vector<double>& saved) const noexcept;
+  /// @param saved  what `can_restore` is true of
   void restore(const std::vector<double>& saved);
 
  private:

@@ -49,16 +49,12 @@ void set_parameters(Batch& batch, const nb::dict& parameters, const Indices& ind
       const bool is_list = nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value);
       if (nb::hasattr(value, "__array__") || (is_list && quantity.group != "contact")) {
         const auto each = numbers_of(value);
-        if (nb::cast<int>(nb::getattr(value, "ndim", nb::cast(1))) == 0) {
-          changes.push_back(
-              parse_quantity_change(change_text(name, nb::cast(each.data()[0])), Batch::kSource));
-          continue;
-        }
-        if (each.ndim() != 1 || each.size() != which.size())
+        const bool is_one = nb::cast<int>(nb::getattr(value, "ndim", nb::cast(1))) == 0;
+        if (!is_one && (each.ndim() != 1 || each.size() != which.size()))
           throw ConfigError(Batch::kSource, name,
                             fmt::format("an array of one number for each of {}", which.size()),
                             fmt::format("{}", each.size()));
-        value = nb::cast(each.data()[k]);
+        value = nb::cast(each.data()[is_one ? 0 : k]);
       }
       changes.push_back(parse_quantity_change(change_text(name, value), Batch::kSource));
     }

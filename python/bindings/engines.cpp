@@ -23,11 +23,9 @@ nb::dict laws(const EngineInfo& info) {
 }  // namespace
 
 void bind_engines(nb::module_& m) {
-  nb::class_<EngineListing> engine(m, "Engine",
-                                   "A physics engine in one mode, by the name that it is chosen by.");
-  engine.def("__init__", not_made<EngineListing>("engines are those of crossgait.engines()"),
-             nb::sig(kNotMade));
-  engine.def_ro("name", &EngineListing::name, "What other functions take as `engine`.")
+  nb::class_<EngineListing>(m, "Engine", "A physics engine in one mode, by the name that it is chosen by.")
+      .def("__init__", not_made<EngineListing>("engines are those of crossgait.engines()"), nb::sig(kNotMade))
+      .def_ro("name", &EngineListing::name, "What other functions take as `engine`.")
       .def_ro("summary", &EngineListing::summary)
       .def_ro("available", &EngineListing::available, "Whether worlds can be made in it here.")
       .def_ro("reason", &EngineListing::reason, "Why not, where not.")
@@ -45,14 +43,14 @@ void bind_engines(nb::module_& m) {
           "laws", [](const EngineListing& e) { return laws(e.info); },
           nb::sig("def laws(self) -> dict[str, str]"),
           "The laws that it solves: engines that agree in all of them solve the same equations.")
-      .def("__repr__", [](const EngineListing& e) {
-        return "<crossgait.Engine '" + e.name + "': " + (e.available ? e.info.mode : e.reason) + ">";
+      .def("__repr__",
+           [](const EngineListing& e) {
+             return "<crossgait.Engine '" + e.name + "': " + (e.available ? e.info.mode : e.reason) + ">";
+           })
+      .def("__reduce__", [](const EngineListing& e) {
+        return nb::make_tuple(nb::module_::import_("crossgait.inputs").attr("engine_called"),
+                              nb::make_tuple(e.name));
       });
-  engine.def("__reduce__", [](nb::handle self) {
-    const auto& e = nb::cast<const EngineListing&>(self);
-    return nb::make_tuple(nb::module_::import_("crossgait.inputs").attr("engine_called"),
-                          nb::make_tuple(e.name));
-  });
   m.def("engines", &known_engines,
         "Every engine that Crossgait knows, available or not; the first is the default.");
   m.def("available_engines", &available_engines,

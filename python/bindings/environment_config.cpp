@@ -85,11 +85,12 @@ std::string json_text(nb::handle value, int level) {
   if (nb::hasattr(value, "keys")) return mapping_text(value, level + 1);
   if (nb::isinstance<Terrain>(value)) return nlohmann::json(terrain_text(value, "terrain")).dump();
   if (nb::isinstance<Robot>(value)) return nlohmann::json(robot_text(value, "robot")).dump();
-  if (nb::isinstance<EngineListing>(value)) return json_text(value.attr("name"), level);
+  if (nb::isinstance<EngineListing>(value))
+    return nlohmann::json(engine_name_of(value, "environment")).dump();
   if (nb::hasattr(value, "tolist")) return json_text(as_written(value).attr("tolist")(), level + 1);
   if (nb::hasattr(value, "__fspath__")) return json_text(value.attr("__fspath__")(), level + 1);
   throw ConfigError("config", nb::repr(value).c_str(), "numbers, text, lists and mappings",
-                    nb::cast<std::string>(value.type().attr("__name__")));
+                    type_called(value));
 }
 
 // Keywords that say something: None leaves a key as it is.

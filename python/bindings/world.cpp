@@ -134,12 +134,10 @@ const char* step(PhysicsBackend& world, const ArrayLike& targets, int substeps) 
   return status == StepStatus::kOk ? "ok" : "diverged";
 }
 
-std::string contact_in_words(const ContactSpec& contact) { return to_json(contact).dump(); }
-
 std::string in_words(const PhysicsBackend& world) {
   const WorldSpec& spec = world.spec();
   return fmt::format("{} of {:g} kg on {}, {}, steps of {:g} s, gravity {:g} m/s^2{}", world.robot().name,
-                     world.robot().total_mass(), spec.terrain.name(), contact_in_words(spec.contact),
+                     world.robot().total_mass(), spec.terrain.name(), to_json(spec.contact).dump(),
                      spec.physics_dt, spec.gravity.norm(), spec.fixed_base ? ", base fixed" : "");
 }
 

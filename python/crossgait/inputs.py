@@ -120,6 +120,12 @@ def as_policies(value: Any, source: str = "policies") -> list[Any]:
     return policies
 
 
+def name_in_results(policy: Any, source: str = "policy") -> str:
+    """What results call a `PolicyLike`: the text that it is loaded by, or its own name. Raises ConfigError."""
+    known = as_policy(policy, source)
+    return known if isinstance(known, str) else str(policy.name)
+
+
 def check_names_apart(names: Sequence[str], source: str) -> None:
     """Raise ConfigError for a name that is there twice."""
     for name in names:

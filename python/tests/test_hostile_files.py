@@ -65,8 +65,9 @@ def imported(file: Path) -> None:
 def checkpoint(file: Path) -> None:
     pytest.importorskip("stable_baselines3")
     from crossgait.train import checkpoint
+    from crossgait.train.folder import CHECKPOINT
 
-    (file.parent / checkpoint.NAME).symlink_to(file)
+    (file.parent / CHECKPOINT).symlink_to(file)
     checkpoint.read(file.parent)
 
 

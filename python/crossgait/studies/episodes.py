@@ -19,6 +19,7 @@ from crossgait.inputs import (
     as_policy,
     check_names_apart,
     environment_for,
+    name_in_results,
     terrain_texts,
 )
 from crossgait.progress import Progress
@@ -54,10 +55,7 @@ def rollout(
     chosen = as_policies(policies, "rollout")
     config = environment_for(environment, *chosen, source="rollout")
     known = [as_policy(policy, "rollout") for policy in chosen]
-    names = [
-        one if isinstance(one, str) else getattr(given, "name", "") for one, given in zip(known, chosen, strict=True)
-    ]
-    check_names_apart(names, "rollout")
+    check_names_apart([name_in_results(policy, "rollout") for policy in chosen], "rollout")
     with ProgressShown(progress) as told:
         (document, text), recorded = _core._rollout(config, known, episodes, worker_count(workers), seed, trace, told)
     return Rollout(document, text, traces_of(recorded, [run["policy"] for run in document["policies"]]))

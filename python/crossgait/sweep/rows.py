@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -41,6 +41,11 @@ def _whole_lines(path: Path) -> Iterator[tuple[bytes, dict[str, Any]]]:
                 return
             _core._check_row(line.removesuffix(b"\n"), str(path), number)
             yield line, json.loads(line)
+
+
+def _is_kept(row: dict[str, Any], kept: Mapping[str, Any]) -> bool:
+    """Whether it says what its run came to: a run that was made is there, whatever failed besides."""
+    return "error" not in row or row["hash"] not in kept
 
 
 class RowFile:
@@ -93,7 +98,7 @@ def write_sorted(path: str | os.PathLike[str], hashes: Iterable[str], target: st
     check_outputs([("--sorted", target)], [("the rows", path), ("the rows", f"{os.fspath(path)}.index")])
     rows: dict[str, bytes] = {}
     for line, row in _whole_lines(Path(path)):
-        if "error" not in row or row["hash"] not in rows:  # a run that was made is there, whatever failed besides
+        if _is_kept(row, rows):
             rows[row["hash"]] = line.rstrip(b"\n") + b"\n"
     there = [rows[name] for name in hashes if name in rows]
     with written_whole(target) as beside, beside.open("wb") as file:
@@ -158,7 +163,7 @@ def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | N
     said_of = None if study is None else _settings_of(study)
     rows: dict[str, dict[str, Any]] = {}
     for _, said in _whole_lines(Path(path)):
-        if said_of is not None and said["hash"] not in said_of:
+        if (said_of is not None and said["hash"] not in said_of) or not _is_kept(said, rows):
             continue
         row: dict[str, Any] = {"hash": said["hash"]} | (said_of or {}).get(said["hash"], {})
         run = said.get("run") or {}
@@ -170,8 +175,7 @@ def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | N
                 result["mean_speed_mps"] = result["distance_m"] / result["simulated_seconds"]
         row.update(result)
         row["error"] = said.get("error")
-        if "error" not in said or said["hash"] not in rows:
-            rows[said["hash"]] = row
+        rows[said["hash"]] = row
     order = rows if said_of is None else [name for name in said_of if name in rows]
     columns = None if rows else ["hash", "error"]
     return pd.DataFrame([rows[name] for name in order], columns=columns).set_index("hash")

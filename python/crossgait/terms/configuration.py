@@ -31,11 +31,12 @@ def with_terms(environment: EnvironmentLike, terms: Terms) -> EnvironmentConfig:
         core = _core.Environment(config)
         core.reset(0)
         found = widths(terms, core.batch())
+        taken = {entry[0] for entry in core.observation_layout}
         for name, width in found.get("policy", {}).items():
             term = terms.observations["policy"][name]
             numbers = [name] if width == 1 else [f"{name}[{i}]" for i in range(width)]
             for number in numbers:
-                if number in {entry[0] for entry in core.observation_layout}:
+                if number in taken:
                     expected = "a name that none of the configuration's observations has"
                     raise ConfigError("terms", f"observations.policy.{name}", expected, number)
             unit = "-" if term.scale == 1 else f"- x {term.scale:g}"

@@ -9,13 +9,12 @@ from typing import Any
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.train import evaluation, record
-from crossgait.train.folder import commands_of
+from crossgait.train.folder import CARD, EVALUATIONS, PROGRESS, commands_of
 from crossgait.train.plan import Plan
-from crossgait.train.trainer import EVALUATIONS, PROGRESS, Clock, Trained
+from crossgait.train.trainer import Clock, Trained
 
 Json = dict[str, Any]
 
-CARD = "card.md"
 _SPREAD = "Mean ± standard deviation. One training run: the spread over training seeds takes several."
 #: Headings of the table of results, by statistic.
 _COLUMNS = {

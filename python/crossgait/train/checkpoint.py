@@ -16,9 +16,9 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from crossgait.errors import ConfigError
 from crossgait.files import read_bytes, written_whole
+from crossgait.train.folder import CHECKPOINT
 
 VERSION = 1
-NAME = "checkpoint.pt"
 MOST_BYTES = 1 << 30
 
 
@@ -38,7 +38,7 @@ def save(folder: Path, model: PPO, normalise: VecNormalize, state: dict[str, Any
         "random": {"torch": torch.get_rng_state(), "numpy": _numpy_state(), "python": random.getstate()},
         "state": _converted(state, np.ndarray, torch.from_numpy),
     }
-    with written_whole(folder / NAME) as beside:
+    with written_whole(folder / CHECKPOINT) as beside:
         torch.save(document, beside)
 
 
@@ -93,7 +93,7 @@ def _converted(value: Any, kind: type, into: Callable[[Any], Any]) -> Any:
 
 def read(folder: Path) -> dict[str, Any]:
     """All that a checkpoint holds, by name. Raises ConfigError. Nothing in the file is executed."""
-    saved = io.BytesIO(read_bytes(folder / NAME, MOST_BYTES))
+    saved = io.BytesIO(read_bytes(folder / CHECKPOINT, MOST_BYTES))
     try:
         document: dict[str, Any] = torch.load(saved, map_location="cpu", weights_only=True)
         if document["version"] != VERSION:
@@ -104,7 +104,7 @@ def read(folder: Path) -> dict[str, Any]:
 
 
 def _not_ours(folder: Path, error: Exception) -> ConfigError:
-    return ConfigError(str(folder / NAME), "file", "a checkpoint of this configuration", str(error))
+    return ConfigError(str(folder / CHECKPOINT), "file", "a checkpoint of this configuration", str(error))
 
 
 def _numpy_state() -> tuple[Any, ...]:

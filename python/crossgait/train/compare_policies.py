@@ -21,8 +21,8 @@ from crossgait.inputs import (
     TerrainLike,
     as_engines,
     as_policies,
-    as_policy,
     environment_for,
+    name_in_results,
     terrain_texts,
 )
 from crossgait.policies import Policy
@@ -71,7 +71,7 @@ def compare_policies(
         raise ConfigError("compare_policies", "episodes", "at least 1", str(episodes))
     chosen = as_policies(policies, "compare_policies")
     asked = environment_for(environment, *chosen, source="compare_policies")
-    by_name = {_name_of(policy): policy for policy in chosen}
+    by_name = {name_in_results(policy, "compare_policies"): policy for policy in chosen}
     where = as_engines(engines, "compare_policies") if engines else _core.available_engines()
     cells = []
     for terrain in terrain_texts(terrains, "compare_policies") if terrains else [asked.terrain]:
@@ -83,11 +83,6 @@ def compare_policies(
             for policy in by_name
         ]
     return {"episodes": episodes, "seed": seed, "cells": cells}
-
-
-def _name_of(policy: Any) -> str:
-    known = as_policy(policy, "compare_policies")
-    return known if isinstance(known, str) else str(policy.name)
 
 
 def table(document: Json) -> str:

@@ -20,12 +20,17 @@ from crossgait.files import locked_folder, read_bytes, written_whole
 from crossgait.train.plan import Plan
 
 CONFIG, COMMANDS, ENVIRONMENT, _LOCK = "config.yaml", "commands.jsonl", "environment.yaml", ".lock"
+CHECKPOINT, PROGRESS, EVALUATIONS, CARD = "checkpoint.pt", "progress.csv", "evaluations.csv", "card.md"
+BEST, LAST = "best", "last"  #: names of policies, without extension
+ENDINGS = (".safetensors", ".yaml")  #: of a policy, whole or hierarchical
 MOST_COMMANDS = 1 << 20  #: bytes
-#: What a run writes in its folder.
-WRITTEN = (
-    *(CONFIG, COMMANDS, ENVIRONMENT, _LOCK, "checkpoint.pt", "progress.csv", "evaluations.csv", "card.md"),
-    *(f"{name}{ending}" for name in ("best", "last") for ending in (".safetensors", ".yaml")),
+#: What a trainer writes in its folder.
+OF_TRAINER = (
+    *(CHECKPOINT, PROGRESS, EVALUATIONS),
+    *(f"{name}{ending}" for name in (BEST, LAST) for ending in ENDINGS),
 )
+#: What a run writes in its folder.
+WRITTEN = (CONFIG, COMMANDS, ENVIRONMENT, _LOCK, CARD, *OF_TRAINER)
 _PACKAGES = ("torch", "stable_baselines3", "gymnasium", "numpy")
 
 

@@ -18,13 +18,14 @@ from crossgait.files import written_whole
 from crossgait.policies.policy import bundle_of, bytes_of
 from crossgait.sweep.strict_yaml import read_yaml, write_yaml
 from crossgait.train import checkpoint, ppo
+from crossgait.train.folder import BEST
 from crossgait.train.keys import PLANNER, RESIDUAL
 from crossgait.train.learner import Learner, seen
 from crossgait.train.members import Member, MemberEnvs, TwoPaceEnvs
 from crossgait.train.plan import Plan
 from crossgait.train.ppo import TimedPPO
 from crossgait.train.remote_envs import Workers
-from crossgait.train.trainer import BEST, Trained, Trainer
+from crossgait.train.trainer import Trained, Trainer
 from crossgait.train.two_pace_policy import Normalised, Start, TwoPacePolicy, linear_layers
 
 Json = dict[str, Any]

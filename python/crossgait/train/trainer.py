@@ -17,6 +17,7 @@ from crossgait.errors import ConfigError
 from crossgait.sweep.pool import ProcessPool, usable_cores
 from crossgait.train import checkpoint, evaluation, record
 from crossgait.train.environments import TrainingEnvs
+from crossgait.train.folder import BEST, CHECKPOINT, ENDINGS, EVALUATIONS, LAST, OF_TRAINER, PROGRESS
 from crossgait.train.learner import Learner, WholePolicy
 from crossgait.train.plan import Plan
 from crossgait.train.remote_envs import RemoteEnvs, Workers
@@ -25,8 +26,6 @@ from crossgait.train.tally import of_environments
 
 Json = dict[str, Any]
 
-BEST, LAST = "best", "last"  #: names of policies, without extension
-PROGRESS, EVALUATIONS = "progress.csv", "evaluations.csv"
 #: Of PPO's own log.
 _LOGGED = (
     "value_loss",
@@ -37,14 +36,6 @@ _LOGGED = (
     "explained_variance",
     "std",
 )
-
-
-_ENDINGS = (".safetensors", ".yaml")  #: of a policy, whole or hierarchical
-
-
-def _is_begun(folder: Path) -> bool:
-    policies = [f"{name}{ending}" for name in (BEST, LAST) for ending in _ENDINGS]
-    return any((folder / name).exists() for name in (PROGRESS, EVALUATIONS, *policies))
 
 
 class Clock:
@@ -95,13 +86,12 @@ class Trainer:
 
         """
         folder = Path(folder)
-        there = (folder / checkpoint.NAME).exists()
-        if not resume and (there or _is_begun(folder)):
+        if not resume and any((folder / name).exists() for name in OF_TRAINER):
             raise ConfigError(str(folder), "folder", "an empty one, or resume=True", "a run")
-        if resume and not there and _is_begun(folder) and len(record.read(folder / PROGRESS)) > 1:
+        there = (folder / CHECKPOINT).exists()
+        if not there and len(record.read(folder / PROGRESS)) > 1:
             expected = "what the run goes on from; it cannot be made again from the rest"
-            raise ConfigError(str(folder / checkpoint.NAME), "file", expected, "none")
-        there = there and resume
+            raise ConfigError(str(folder / CHECKPOINT), "file", expected, "none")
         self.plan, self.folder, self._title = plan, folder, title
         self.learner = learner or WholePolicy(plan)
         torch.set_num_threads(plan["threads"])
@@ -137,7 +127,7 @@ class Trainer:
     @property
     def trained(self) -> Trained:
         """What there is so far."""
-        best = next(each for ending in _ENDINGS if (each := self.folder / f"{BEST}{ending}").exists())
+        best = next(each for ending in ENDINGS if (each := self.folder / f"{BEST}{ending}").exists())
         return Trained(self._title or "policy", self.plan, self.folder, best, self.state)
 
     def run(self) -> None:

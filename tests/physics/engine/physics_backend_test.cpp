@@ -2,6 +2,7 @@
 #include "physics/engine/physics_backend.h"
 
 #include <functional>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -181,6 +182,24 @@ TEST(Drives, ASnapshotKeepsWhatIsOnItsWay) {
   EXPECT_EQ(go_on(world), first);
   Puppet without(world_with([](Joint&) {}));
   EXPECT_THROW(without.restore(saved), ConfigError);
+}
+
+TEST(Drives, RefuseNumbersThatNoneSaved) {
+  Puppet world(world_with([](Joint& joint) { joint.delay = 3 * 0.0625; }));
+  RobotState rest;
+  rest.q = rest.qd = JointVector::Zero(2);
+  world.reset(rest);
+  ASSERT_EQ(world.step(target(0.5)), StepStatus::kOk);
+  const Snapshot saved = world.save();
+  for (const double number : {-1.0, 1e18, std::numeric_limits<double>::quiet_NaN()}) {
+    Snapshot tampered = saved;
+    tampered.drives.front() = number;  // steps that were counted
+    EXPECT_EQ(config_error([&] { world.restore(tampered); }).element(), "robot") << number;
+  }
+  Snapshot longer = saved;
+  longer.drives.push_back(0);
+  EXPECT_EQ(config_error([&] { world.restore(longer); }).element(), "robot");
+  world.restore(saved);
 }
 
 TEST(Drives, MeasureWithUniformErrors) {
