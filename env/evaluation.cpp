@@ -41,6 +41,7 @@ EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed
   StepResult result;
   while (!result.done()) {
     policy.act(observation, action);
+    if (policy.has_failed()) break;
     result = env.step(action, observation);
     const StepInfo& info = env.info();
     ++s.steps;

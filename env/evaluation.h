@@ -35,7 +35,8 @@ struct EpisodeSummary {
 /// Called after every step; false ends the episode.
 using EpisodeObserver = std::function<bool(const QuadrupedEnv& env)>;
 
-/// Runs one episode from reset(seed) to its end. The policy must be for `env.interface()`.
+/// Runs one episode from reset(seed) to its end, or until the policy has failed. The policy must be for
+/// `env.interface()`.
 /// @throws ConfigError if it is not
 EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed,
                            const EpisodeObserver& observer = {});

@@ -36,6 +36,8 @@ class Policy {
   /// observation
   ///                     holds
   void act(std::span<const double> observation, std::span<double> action) noexcept;
+  /// Tells whether it cannot act any more, as one whose own code has thrown: then its episode ends.
+  virtual bool has_failed() const noexcept { return false; }
 
   /// Counts how often each entry of the action was beyond its bounds, and clipped, since `reset`.
   std::span<const std::int64_t> clipped() const noexcept { return clipped_; }

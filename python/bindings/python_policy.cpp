@@ -20,6 +20,8 @@ class FunctionPolicy final : public Policy {
                  std::shared_ptr<FirstFailure> failure)
       : Policy(policy.name, interface), make_(policy.make), failure_(std::move(failure)) {}
 
+  bool has_failed() const noexcept override { return failure_->noted(); }
+
  private:
   template <typename Call>
   void guarded(const Call& call) noexcept {

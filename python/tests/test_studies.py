@@ -402,6 +402,11 @@ def test_what_a_policy_raises_comes_out() -> None:
             call(FunctionPolicy(lambda: broken), config)
     with pytest.raises(ZeroDivisionError, match="mine"):
         crossgait.verdict(FunctionPolicy(lambda: broken), environment=config, starts=4)
+    long = EnvironmentConfig.parse(
+        '{"policy_dt": 0.02, "episode_seconds": 1e5}'
+    )  # an hour of work, if its episode went on
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        crossgait.rollout(FunctionPolicy(lambda: broken), long)
     with pytest.raises(ConfigError, match="16 numbers"):
         crossgait.rollout(FunctionPolicy(zeros(3)), config)
     with pytest.raises(ConfigError, match="environment"):

@@ -1,5 +1,6 @@
 #include "env/evaluation.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "physics/core/error.h"
@@ -8,6 +9,22 @@
 
 namespace crossgait {
 namespace {
+
+// Fails at its third action, as one whose own code throws.
+class FailingPolicy final : public Policy {
+ public:
+  explicit FailingPolicy(const PolicyInterface& interface) : Policy("failing", interface) {}
+  bool has_failed() const noexcept override { return acts_ >= 3; }
+
+ private:
+  void do_reset(std::uint64_t) noexcept override { acts_ = 0; }
+  void do_act(std::span<const double>, std::span<double> action) noexcept override {
+    ++acts_;
+    std::fill(action.begin(), action.end(), 0.0);
+  }
+
+  int acts_ = 0;
+};
 
 class Evaluations : public EngineTest {
  protected:
@@ -93,6 +110,12 @@ TEST_P(Evaluations, RefuseAPolicyOfAnotherLayout) {
   const QuadrupedEnv narrower(other, find_engine(GetParam()));
   const auto policy = make_policy("zero", narrower.interface());
   EXPECT_THROW(run_episode(env, *policy, 0), ConfigError);
+}
+
+TEST_P(Evaluations, EndWithAPolicyThatHasFailed) {
+  QuadrupedEnv env(config(), find_engine(GetParam()));
+  FailingPolicy policy(env.interface());
+  EXPECT_EQ(run_episode(env, policy, 3).steps, 2);
 }
 
 TEST(SumUp, IsMeansAndSampleDeviations) {
