@@ -154,7 +154,7 @@ std::vector<std::string> notes_on(const LoadedEnv& environment) {
   // Like nothing: of what adapts there is a note also where it is the gait's own.
   for (const std::string& name : config.adapt)
     usual.*find_parameter(name).member = std::numeric_limits<double>::quiet_NaN();
-  for (std::string& note : outside_ranges(initial, usual, scaled(config.adaptation, scale)))
+  for (std::string& note : parameter_notes(initial, usual, scaled(config.adaptation, scale)))
     notes.push_back(std::move(note));
   return notes;
 }

@@ -167,7 +167,7 @@ void run(const GaitCommand& options) {
   options.page.check();
   const Chosen of = choose(options);
   if (options.list) return list_gaits(options.json, of.scale);
-  print_notes(outside_ranges(of.gait.parameters, of.usual.parameters, scaled(AdaptationRanges(), of.scale)));
+  print_notes(parameter_notes(of.gait.parameters, of.usual.parameters, scaled(AdaptationRanges(), of.scale)));
   if (options.parameters) return list_parameters(options, of);
   GaitGenerator generator = make_generator(of);
   const int rows = row_count(options, generator.parameters().cycle_time);

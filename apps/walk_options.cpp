@@ -87,9 +87,9 @@ LoadedWalk WalkOptions::make() const {
       step_warnings(*robot, resolve_contact(robot->contact, made.contact, "walk"), config.physics_dt));
   const GaitScale scale = gait_scale(*robot);
   made.gait = choose_gait(gait, settings, velocity_command(), scale);
-  print_notes(outside_ranges(made.gait.parameters,
-                             choose_gait(gait, {}, velocity_command(), scale).parameters,
-                             scaled(AdaptationRanges(), scale)));
+  print_notes(parameter_notes(made.gait.parameters,
+                              choose_gait(gait, {}, velocity_command(), scale).parameters,
+                              scaled(AdaptationRanges(), scale)));
   made.compensation = !plain_servos;
   made.heading_hold = !open_loop;
   made.terminations = OutcomeSet::of_names(terminations);

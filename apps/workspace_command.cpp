@@ -84,7 +84,7 @@ Report look(const WorkspaceCommand& options) {
   const Gait gait = scaled(find_gait(options.gait), scale);
   const GaitChoice choice = choose_gait(options.gait, options.settings, {}, scale);
   const GaitParameters& parameters = choice.parameters;
-  print_notes(outside_ranges(parameters, gait.preferred, scaled(AdaptationRanges(), scale)));
+  print_notes(parameter_notes(parameters, gait.preferred, scaled(AdaptationRanges(), scale)));
 
   Report report{
       .robot = robot, .gait = options.gait, .choice = choice, .which = which, .leg = leg, .branch = branch};

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "gait/foot_trajectory.h"
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
 
@@ -270,8 +271,8 @@ void AdaptationRanges::validate(std::string_view source) const {
   }
 }
 
-std::vector<std::string> outside_ranges(const GaitParameters& parameters, const GaitParameters& usual,
-                                        const AdaptationRanges& ranges) {
+std::vector<std::string> parameter_notes(const GaitParameters& parameters, const GaitParameters& usual,
+                                         const AdaptationRanges& ranges) {
   std::vector<std::string> notes;
   for (const ParameterRow& known : kTable) {
     const ParameterRow row = ranges.row(known.name);
@@ -279,6 +280,13 @@ std::vector<std::string> outside_ranges(const GaitParameters& parameters, const 
     if (value == usual.*row.member || (value >= row.min && value <= row.max)) continue;
     notes.push_back(fmt::format("{} = {:g}{} lies outside the range for adaptation, {:g} to {:g}{}", row.name,
                                 value, unit_of(row), row.min, row.max, unit_of(row)));
+  }
+  const double asked = parameters.step_height + parameters.foot_clearance, lift = swing_lift(parameters);
+  if (lift < asked) {
+    notes.push_back(
+        fmt::format("step_height and foot_clearance ask for a lift of {:g} m, to above the shoulders: "
+                    "feet are lifted by {:.4g} m, just below body_height",
+                    asked, lift));
   }
   return notes;
 }

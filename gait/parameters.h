@@ -119,9 +119,10 @@ struct AdaptationRanges {
 /// Returns the guide's ranges and delta scales of its six parameters.
 AdaptationRanges guide_ranges();
 
-/// Returns a sentence for every parameter that is neither within its range nor as `usual` has it.
-std::vector<std::string> outside_ranges(const GaitParameters& parameters, const GaitParameters& usual,
-                                        const AdaptationRanges& ranges = {});
+/// Returns a sentence for every parameter that is neither within its range nor as `usual` has it, and one
+/// where a swing is not lifted as asked (`swing_lift`).
+std::vector<std::string> parameter_notes(const GaitParameters& parameters, const GaitParameters& usual,
+                                         const AdaptationRanges& ranges = {});
 
 /// Sets one parameter by name. @throws ConfigError for an unknown name or a value that is not valid
 /// (`is_valid`)

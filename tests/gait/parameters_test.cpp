@@ -105,13 +105,25 @@ TEST(SetParameter, TakesWhateverIsValidAlsoOutsideTheRange) {
   assign(p, "body_height=.08");
   EXPECT_EQ(p.cycle_time, 1.5);
   EXPECT_TRUE(is_valid(p));
-  const std::vector<std::string> notes = outside_ranges(p, GaitParameters{});
+  const std::vector<std::string> notes = parameter_notes(p, GaitParameters{});
   ASSERT_EQ(notes.size(), 3U);  // in the order of the table
   EXPECT_EQ(notes[0], "step_length = 0.125 m lies outside the range for adaptation, 0 to 0.12 m");
-  EXPECT_EQ(outside_ranges(p, p).size(), 0U) << "as usual";
+  EXPECT_EQ(parameter_notes(p, p).size(), 0U) << "as usual";
   AdaptationRanges ranges;
   ranges.ranges["cycle_time"] = {0.8, 1.5};
-  EXPECT_EQ(outside_ranges(p, GaitParameters{}, ranges).size(), 2U);
+  EXPECT_EQ(parameter_notes(p, GaitParameters{}, ranges).size(), 2U);
+}
+
+TEST(ParameterNotes, SayWhereAFootIsNotLiftedAsAsked) {
+  GaitParameters p;
+  p.step_height = 0.04;
+  p.foot_clearance = 0.02;
+  p.body_height = 0.05;
+  EXPECT_EQ(parameter_notes(p, p),
+            std::vector<std::string>{"step_height and foot_clearance ask for a lift of 0.06 m, to above the "
+                                     "shoulders: feet are lifted by 0.0499 m, just below body_height"});
+  p.body_height = 0.07;
+  EXPECT_EQ(parameter_notes(p, p).size(), 0U);
 }
 
 TEST(AdaptationRanges, ReplaceWhatTheyMention) {
@@ -177,7 +189,7 @@ TEST(SetParameter, WhatHasNoUnitIsNamedWithoutOne) {
     EXPECT_EQ(e.expected(), "0.05 to 0.95");
   }
   set(p, "duty_factor", 0.4);
-  EXPECT_EQ(outside_ranges(p, GaitParameters{}),
+  EXPECT_EQ(parameter_notes(p, GaitParameters{}),
             std::vector<std::string>{"duty_factor = 0.4 lies outside the range for adaptation, 0.5 to 0.9"});
 }
 
