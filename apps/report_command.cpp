@@ -121,7 +121,7 @@ void run(const ReportCommand& options, const CLI::App& program, Invocation& invo
     if (is_trace(file)) {
       traces.push_back(file);
     } else {
-      results.push_back(read_result(file));
+      results.push_back(read_recorded(file));
     }
   }
   const std::string kind = results.size() == 1 && traces.empty() ? schema_of(results.front()) : "";

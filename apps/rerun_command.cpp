@@ -26,7 +26,7 @@ void add_rerun_command(CLI::App& program, Invocation& invocation) {
   command->add_option("result", *file, "What a command's --json wrote")->type_name("FILE.json")->required();
   command->allow_extras();
   command->callback([command, file, &program, &invocation] {
-    Recorded recorded = read_result(*file);
+    Recorded recorded = read_recorded(*file);
     std::vector<std::string> again = recorded_command(program, recorded);
     for (const std::string& word : command->remaining()) {
       std::error_code error;

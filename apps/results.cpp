@@ -15,7 +15,6 @@
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
-#include "physics/core/json_once.h"
 #include "physics/core/text.h"
 #include "physics/robot_files/xacro/xacro_reader.h"
 #include "study/run_spec.h"
@@ -156,20 +155,7 @@ void JsonOption::emit(const std::string& text, ordered_json json) const {
   emit(text, std::move(json), provenance());
 }
 
-Recorded read_result(const std::string& file) {
-  const std::string text = read_text_file(file, kResultBudget);
-  check_json_budget(text, kResultBudget, file);
-  Json result;
-  try {
-    result = parse_json_once<Json>(text, [&file](const std::string& key) {
-      throw ConfigError(file, key, "each key once in an object", "twice");
-    });
-  } catch (const Json::exception&) {
-  }
-  if (!result.is_object())
-    throw ConfigError(file, "file", "a result as `--json` writes it", "no JSON object");
-  return {file, std::move(result)};
-}
+Recorded read_recorded(const std::string& file) { return {file, Json(read_result(file))}; }
 
 void keep_standard_streams() {
   // The lowest free number is the one that is closed. Opened the wrong way round, it takes and gives nothing.

@@ -79,8 +79,8 @@ struct Recorded {
   std::string file;
   nlohmann::json result;
 };
-/// @throws ConfigError if the file is no JSON object, or beyond kResultBudget
-Recorded read_result(const std::string& file);
+/// @throws ConfigError as `read_result` does
+Recorded read_recorded(const std::string& file);
 
 /// Describes a command line that the program runs after another.
 struct NextCommand {

@@ -6,12 +6,16 @@
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
 #include "physics/core/hash.h"
+#include "physics/core/json_once.h"
+#include "physics/core/read_budget.h"
+#include "physics/core/text.h"
 #include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {
 
 using Json = nlohmann::json;
+using nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 Json without_hash(const Provenance& p) {
@@ -84,6 +88,21 @@ nlohmann::ordered_json to_json(const Provenance& p) {
   nlohmann::ordered_json result{{"crossgait", p.crossgait}, {"command", p.command}};
   for (const auto& [key, value] : all.items()) result[key] = value;
   result["hash"] = fnv1a_hex(all.dump());
+  return result;
+}
+
+ordered_json read_result(const std::string& file) {
+  const std::string text = read_text_file(file, kResultBudget);
+  check_json_budget(text, kResultBudget, file);
+  ordered_json result;
+  try {
+    result = parse_json_once<ordered_json>(text, [&file](const std::string& key) {
+      throw ConfigError(file, key, "each key once in an object", "twice");
+    });
+  } catch (const ordered_json::exception&) {
+  }
+  if (!result.is_object())
+    throw ConfigError(file, "file", "a result as `--json` writes it", "no JSON object");
   return result;
 }
 

@@ -32,6 +32,10 @@ std::string path_of_shown(const std::string& shown);
 /// Writes keys as in docs/schemas/README.md; `hash` is that of all others.
 nlohmann::ordered_json to_json(const Provenance& provenance);
 
+/// Reads a result as a command's `--json` wrote it. @throws ConfigError if the file is no JSON object, says a
+/// key twice, or is beyond kResultBudget
+nlohmann::ordered_json read_result(const std::string& file);
+
 /// Returns the command and its arguments that a result names. @param result  as a command wrote it
 /// @throws ConfigError naming `file` if it names none
 std::vector<std::string> command_of(const nlohmann::json& result, const std::string& file);

@@ -26,6 +26,7 @@ void bind_diagnosis(nb::module_& m);
 void bind_run_spec(nb::module_& m);
 void bind_trace_file(nb::module_& m);
 void bind_files_read(nb::module_& m);
+void bind_signatures(nb::module_& m);
 
 /// Lets every function and class of the module say which argument does not fit. @throws std::logic_error if
 /// nanobind calls its functions in more ways than six

@@ -80,6 +80,7 @@ NB_MODULE(crossgait_core, m) {
   bind_run_spec(m);
   bind_trace_file(m);
   bind_files_read(m);
+  bind_signatures(m);
   bind_kinematics(m);
   bind_gait(m);  // of the walks of studies
   refuse_bare_objects(m);

@@ -10,11 +10,13 @@
 #include "python/bindings/behaviour.h"
 #include "python/bindings/bindings.h"
 #include "python/bindings/job.h"
+#include "python/bindings/json.h"
 #include "python/bindings/python_policy.h"
 #include "python/bindings/study_report.h"
 #include "python/bindings/trace_numbers.h"
 #include "python/bindings/walk_config.h"
 #include "study/course.h"
+#include "study/provenance.h"
 #include "study/rollout.h"
 #include "study/tune.h"
 
@@ -168,6 +170,9 @@ void bind_studies(nb::module_& m) {
       nb::arg("environment"), nb::arg("engines"), nb::arg("iterations"), nb::arg("population"),
       nb::arg("terrains"), nb::arg("unseen"), nb::arg("workers"), nb::arg("seed"), nb::arg("course").none(),
       kProgress);
+  m.def(
+      "_read_result", [](const std::string& file) { return to_python(read_result(file)); }, nb::arg("file"),
+      nb::sig("def _read_result(file: str) -> dict[str, typing.Any]"));
   m.def("_conformance", &conformance_of, nb::arg("engine"), nb::arg("only"), kProgress);
   m.def("_bench", &bench, nb::arg("engines"), nb::arg("sections"), nb::arg("quick"), kProgress);
 }

@@ -214,7 +214,9 @@ void bind_state(nb::module_& m) {
              s.q = q;
              s.qd = qd;
            })
-      .def_rw("time", &RobotState::time, "Simulated seconds since reset.")
+      .def_rw("time", &RobotState::time,
+              "Simulated seconds since the world was reset: of an environment the settling before its "
+              "episode counts, which `info['time']` leaves out.")
       .def_rw("p_WB", &RobotState::p_WB, "Position of the base, m.")
       .def_prop_rw(
           "q_WB", [](const RobotState& s) { return wxyz(s.q_WB); },

@@ -1,4 +1,4 @@
-"""Signatures of the core's classes, for `help`, notebooks and whoever else asks `inspect.signature`.
+"""Signatures of the core's classes and functions, for `help`, notebooks and whoever else asks `inspect.signature`.
 
 Type checkers read the stub; at run time nanobind has the same text, but not where Python looks for it. By the same
 text a call whose arguments do not fit says which of them, and what was expected (`misfit`).
@@ -26,9 +26,31 @@ class _OfConstructor:
     def __get__(self, _: object, owner: type) -> inspect.Signature:
         if owner is not self._owner:  # a class of Python's below it has its own
             raise AttributeError("__signature__")
-        overloads = owner.__init__.__nb_signature__  # type: ignore[misc]  # nanobind's
-        whole = signature_of(*max(((text, defaults) for text, _, defaults in overloads), key=lambda one: len(one[0])))
-        return whole.replace(parameters=list(whole.parameters.values())[1:], return_annotation=inspect.Signature.empty)
+        bound = _without_self(_signature_of_function(owner.__init__))  # type: ignore[misc]
+        return bound.replace(return_annotation=inspect.Signature.empty)
+
+
+class _OfFunction:
+    """Attribute `__signature__` of all functions of one of nanobind's types, read when it is asked for."""
+
+    def __init__(self, is_bound: bool) -> None:
+        self._is_bound = is_bound
+
+    def __get__(self, function: Any, _: type) -> inspect.Signature:
+        if function is None or not hasattr(function, "__nb_signature__"):
+            raise AttributeError("__signature__")
+        whole = _signature_of_function(function)
+        return _without_self(whole) if self._is_bound else whole
+
+
+def _signature_of_function(function: Any) -> inspect.Signature:
+    """The longest of its signatures, where it has several."""
+    overloads = function.__nb_signature__  # nanobind's
+    return signature_of(*max(((text, defaults) for text, _, defaults in overloads), key=lambda one: len(one[0])))
+
+
+def _without_self(whole: inspect.Signature) -> inspect.Signature:
+    return whole.replace(parameters=list(whole.parameters.values())[1:])
 
 
 def signature_of(text: str, defaults: tuple[Any, ...] | None = None) -> inspect.Signature:
@@ -208,7 +230,14 @@ def _fits(value: Any, annotation: ast.expr) -> bool:
 
 
 def tell_signatures(module: Any) -> None:
-    """Give the classes of a nanobind module that can be constructed their `__signature__`."""
+    """Give the functions of a nanobind module, and its classes that can be constructed, their `__signature__`."""
+    types: dict[type, bool] = {}  #: nanobind's own, of functions, and whether they are bound to an object
     for member in list(vars(module).values()):
-        if isinstance(member, type) and hasattr(vars(member).get("__init__"), "__nb_signature__"):
-            member.__signature__ = _OfConstructor(member)  # type: ignore[attr-defined]
+        if hasattr(member, "__nb_signature__"):
+            types[type(member)] = False
+        constructor: Any = vars(member).get("__init__") if isinstance(member, type) else None
+        if hasattr(constructor, "__nb_signature__"):
+            member.__signature__ = _OfConstructor(member)
+            types |= {type(constructor): False, type(constructor.__get__(object())): True}
+    for kind, is_bound in types.items():
+        module._set_attribute_of_type(kind, "__signature__", _OfFunction(is_bound))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import crossgait
-from crossgait import EnvironmentConfig, Robot, Walk
+from crossgait import ConfigError, EnvironmentConfig, Robot, Walk
 from crossgait.studies.walk_numbers import WalkNumbers
 
 SHORT = EnvironmentConfig(policy_dt=0.02, episode_seconds=0.5, adapt=["step_length"])
@@ -174,3 +174,44 @@ def test_type_checkers_know_the_keywords(tmp_path: Path) -> None:
 def test_a_walk_says_what_it_was_made_of() -> None:
     assert repr(Walk()) == "Walk('trot')"
     assert repr(Walk("walk", friction=0.5)) == "Walk('walk', friction=0.5)"
+
+
+def test_results_are_read_again_and_compared(tmp_path: Path) -> None:
+    walked = crossgait.walk("trot", seconds=0.2, trace=True)
+    walked.save(tmp_path / "walk.json")
+    again = crossgait.WalkResult.load(tmp_path / "walk.json")
+    assert again == walked == crossgait.walk("trot", seconds=0.2)  # whenever it was made, traced or not
+    assert hash(again) == hash(walked)
+    assert len({again, walked}) == 1
+    assert str(again) == walked.summary
+    assert again.to_frame().equals(walked.to_frame())
+    assert walked != crossgait.walk("trot", seconds=0.3)
+    assert walked != walked.document
+    rolled = crossgait.rollout("zero", SHORT)
+    rolled.save(tmp_path / "rollout.json")
+    read = crossgait.Result.load(tmp_path / "rollout.json")
+    assert isinstance(read, crossgait.Rollout)
+    assert read == rolled != walked
+    with pytest.raises(ConfigError, match=r"path: expected a file that is not read"):
+        read.save(tmp_path / "rollout.json")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('{"schema": {"name": "verdict"}}', "schema.name: expected a result of walk, found 'verdict'"),
+        ('{"schema": {"name": ["walk"]}}', "schema.name: expected a result of walk"),
+        ('{"schema": 3}', "schema.name: expected a result of walk, found None"),
+        (
+            '{"schema": {"name": "walk"}}',
+            r"expected what a result of walk has \(docs/schemas/walk.json\), found KeyErr",
+        ),
+        ('{"schema": 1, "schema": 2}', "schema: expected each key once in an object, found twice"),
+        ("[]", "expected a result as `--json` writes it, found no JSON object"),
+        ("{", "expected a result as `--json` writes it, found no JSON object"),
+    ],
+)
+def test_files_that_are_no_results_are_refused(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "walk.json").write_text(text)
+    with pytest.raises(ConfigError, match=said):
+        crossgait.WalkResult.load(tmp_path / "walk.json")

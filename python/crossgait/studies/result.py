@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
+from crossgait import _core
 from crossgait.errors import ConfigError
 from crossgait.extras import needed_for
 from crossgait.files import Named, check_outputs, written_whole
@@ -17,16 +18,52 @@ from crossgait.traces import Trace
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
+    from typing_extensions import Self
 
 Json = dict[str, Any]
+Kind = TypeVar("Kind", bound="Result")
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Result:
     """One study's result. `str(result)` is the table that the command prints."""
 
     document: Json  #: what `--json` writes
     text: str
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read what `save`, or the command's `--json`, wrote; `Result.load` reads that of any study.
+
+        The file has the numbers, not the table that the command prints, nor traces: `str(result)` is its headline.
+        Raises ConfigError for a file that is no result, or one of another study.
+        """
+        file = os.fspath(path)
+        document = _core._read_result(file)
+        schema = document.get("schema")
+        name = schema.get("name") if isinstance(schema, dict) else None
+        kinds = {kind._study: kind for kind in _all_kinds(cls)}
+        if not isinstance(name, str) or name not in kinds:
+            raise ConfigError(file, "schema.name", f"a result of {' or '.join(sorted(kinds))}", repr(name))
+        kind: type[Self] = kinds[name]
+        result = kind(document, "")
+        try:
+            result._rows()
+            object.__setattr__(result, "text", document.get("summary", result._headline()))
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+            expected = f"what a result of {name} has (docs/schemas/{name}.json)"
+            raise ConfigError(file, "document", expected, f"{type(error).__name__}: {error}") from error
+        result.note_inputs([("what was read", file)])
+        return result
+
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same study with the same numbers, whenever and on however fast a machine each was made."""
+        if not isinstance(other, Result):
+            return NotImplemented
+        return type(self) is type(other) and _without_times(self.document) == _without_times(other.document)
+
+    def __hash__(self) -> int:
+        return hash(json.dumps(_without_times(self.document), sort_keys=True))
 
     def to_dict(self) -> Json:
         """Return a copy of the document, keys as in docs/schemas."""
@@ -69,6 +106,7 @@ class Result:
         """Draw it with matplotlib."""
         raise NotImplementedError
 
+    _study: ClassVar[str] = ""  #: the command's name, and its document's schema
     _index: ClassVar[tuple[str, ...]] = ("name",)
 
     def _rows(self) -> list[Json]:
@@ -89,6 +127,19 @@ class Result:
         if answer != self.document.get("summary"):
             answer, rest = self._headline(), self.text
         return f"<p><b>{html.escape(answer)}</b></p><pre>{html.escape(rest)}</pre>"
+
+
+def _all_kinds(kind: type[Kind]) -> list[type[Kind]]:
+    """It and all below it that are of a study."""
+    below = [one for sub in kind.__subclasses__() for one in _all_kinds(sub)]
+    return [kind, *below] if kind._study else below
+
+
+def _without_times(value: Any) -> Any:
+    """A document without what differs from run to run, and what says how it was made, as `crossgait rerun` compares."""
+    if isinstance(value, dict):
+        return {key: _without_times(one) for key, one in value.items() if key not in ("wall_seconds", "provenance")}
+    return [_without_times(one) for one in value] if isinstance(value, list) else value
 
 
 def flat(summary: Json) -> Json:

@@ -17,12 +17,13 @@ if TYPE_CHECKING:
     from crossgait._core import EnvironmentConfig
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class WalkResult(Answer, WalkNumbers):
     """One walk in one engine. Its numbers are attributes too: `result.mean_speed_mps`."""
 
     recorded: Trace | None = None  #: the trace, None unless it was asked for
 
+    _study = "walk"
     _index = ("engine",)
 
     @property
@@ -51,12 +52,13 @@ class WalkResult(Answer, WalkNumbers):
         return [flat(self.document)]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class CompareResult(Answer):
     """The same walk in several engines."""
 
     recorded: dict[str, Trace] = field(default_factory=dict)  #: the traces, none unless they were asked for
 
+    _study = "compare"
     _index = ("engine",)
 
     @property
@@ -93,10 +95,11 @@ class CompareResult(Answer):
         return groups
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Verdict(Answer):
     """Whether a behaviour depends on the engine (docs/verdict.md), in two engines or more."""
 
+    _study = "verdict"
     _index = ("a", "b", "key")
 
     @property
@@ -183,12 +186,13 @@ class Verdict(Answer):
         return f"{self.word}: {self.summary}"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Rollout(Answer):
     """Whole episodes of policies in one engine."""
 
     recorded: dict[str, Trace] = field(default_factory=dict)  #: the traces, none unless they were asked for
 
+    _study = "rollout"
     _index = ("policy", "episode")
 
     @property
@@ -216,10 +220,11 @@ def _of_episodes(summary: Json) -> Json:
     return {key.removesuffix(".mean"): value for key, value in row.items()}
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Transfer(Result):
     """One policy, and none (`baseline`), over engines and grounds."""
 
+    _study = "transfer"
     _index = ("terrain", "engine")
 
     def plot(self) -> Figure:
@@ -241,10 +246,11 @@ class Transfer(Result):
         return f"{Path(self.document['policy']).name} in {', '.join(engines)}"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class CourseResult(Answer):
     """A policy on every section of a course."""
 
+    _study = "course"
     _index = ("section", "engine")
 
     def score(self, engine: str | None = None) -> float:
@@ -267,12 +273,13 @@ class CourseResult(Answer):
         ]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Tuning(Result):
     """Gait parameters that were searched for."""
 
     environment: EnvironmentConfig | None = None  #: with the tuned parameters
 
+    _study = "tune"
     _index = ("generation",)
 
     def plot(self) -> Figure:
@@ -291,12 +298,13 @@ class Tuning(Result):
         return f"tuned to {history[-1]:.3f} {'m/s' if course is None else f'on course {course}'}"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Diagnosis(Answer):
     """Why a policy does not do what it is asked."""
 
     environment: EnvironmentConfig | None = None  #: with the first of the ranking; as it is if there is none
 
+    _study = "diagnose"
     _index = ("field",)
 
     @property
@@ -334,6 +342,7 @@ class Diagnosis(Answer):
 class Scores(Answer):
     """How well policies do what they are asked, each in each engine."""
 
+    _study = "score"
     _index = ("policy", "engine")
 
     def plot(self) -> Figure:
@@ -350,6 +359,7 @@ class Scores(Answer):
 class Matrix(Answer):
     """Where policies were trained against where they run. `document["cells"]` has every policy, as `Scores` do."""
 
+    _study = "matrix"
     _index = ("trained_in", "engine")
 
     def plot(self) -> Figure:
@@ -364,10 +374,11 @@ class Matrix(Answer):
         return homes
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Bench(Result):
     """Speed and accuracy of the engines on the same motions."""
 
+    _study = "bench"
     _index = ("scene", "engine")
 
     def plot(self) -> Figure:
@@ -383,10 +394,11 @@ class Bench(Result):
         return f"benchmark of {', '.join(b if isinstance(b, str) else b['name'] for b in self.document['engines'])}"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Conformance(Result):
     """What an engine made of the checks that every engine is held to."""
 
+    _study = "conformance"
     _index = ("check", "what")
 
     @property
