@@ -5,6 +5,7 @@
 
 #include "apps/command.h"
 #include "apps/python_module.h"
+#include "physics/core/folder.h"
 #include "physics/core/schema.h"
 
 namespace crossgait::apps {
@@ -34,7 +35,7 @@ void run(const ImportCommand& options) {
 
 // What the package writes into the folder, by its rules (python/crossgait/importing/imported.py).
 std::vector<DerivedOutput> files_of_import(const std::string& out) {
-  const std::filesystem::path folder = std::filesystem::absolute(out).lexically_normal();
+  const std::filesystem::path folder = absolute_path(out).lexically_normal();
   const std::string name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
   std::vector<DerivedOutput> files;
   for (const char* ending : {".onnx", ".yaml", ".safetensors"})

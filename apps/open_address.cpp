@@ -15,6 +15,7 @@
 #include "apps/command.h"
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
+#include "physics/core/folder.h"
 #include "physics/core/temporary_folder.h"
 
 namespace crossgait::apps {
@@ -51,7 +52,7 @@ std::string temporary_file(const std::string& name) {
 }
 
 void open_page(const std::string& path) {
-  const std::string file = std::filesystem::absolute(path).string();
+  const std::string file = absolute_path(path).string();
   if (is_set("SSH_CONNECTION") || is_set("SSH_TTY")) {
     print_notes(
         {fmt::format("this is a session over SSH; where your browser is: scp {}:'{}' . and open the copy",

@@ -19,6 +19,7 @@
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
 #include "physics/core/fit_text.h"
+#include "physics/core/folder.h"
 #include "physics/core/locked_file.h"
 
 namespace crossgait::apps {
@@ -37,7 +38,7 @@ bool names_file(const CLI::Option& option) { return option.get_type_name().start
 
 NamedFile named_file(const std::string& option, const std::string& path) {
   std::error_code error;
-  const fs::path place = fs::weakly_canonical(fs::absolute(place_of_output(path)), error);
+  const fs::path place = fs::weakly_canonical(absolute_path(place_of_output(path)), error);
   return {option, path, error ? fs::path(path) : place};
 }
 

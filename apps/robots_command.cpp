@@ -10,6 +10,7 @@
 #include "backends/registry.h"
 #include "ik/leg_kinematics.h"
 #include "physics/core/error.h"
+#include "physics/core/folder.h"
 #include "physics/core/schema.h"
 #include "physics/core/table.h"
 #include "physics/robot_files/data_path.h"
@@ -162,7 +163,7 @@ void show(const RobotsCommand& options) {
   const LoadedRobot loaded = load(options);
   const RobotDescription& robot = loaded.robot;
   if (options.yaml) {
-    print_data(to_yaml(loaded, std::filesystem::absolute(loaded.report.file).lexically_normal().string()));
+    print_data(to_yaml(loaded, absolute_path(loaded.report.file).lexically_normal().string()));
     return;
   }
   const Joint& servo = robot.joint((*robot.legs)[Leg::FL].servos.front());

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "env/env_config_json.h"
+#include "physics/core/folder.h"
 #include "physics/core/yaml_reader.h"
 #include "physics/robot/contact_json.h"
 #include "physics/robot_files/data_path.h"
@@ -19,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string whole_path(const std::string& text, bool is_file) {
-  return is_file ? std::filesystem::absolute(text).lexically_normal().string() : text;
+  return is_file ? absolute_path(text).lexically_normal().string() : text;
 }
 
 void add(Json& out, std::string_view key, const ServoNumbers& numbers) {

@@ -28,8 +28,8 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
     if (!broken_.empty()) return broken_;
     if (!wrong_key_.empty()) return fmt::format("'{}' twice", wrong_key_);
     if (!hash_) return "no hash of 16 hexadecimal digits";
-    if (failed_) return {};
     if (!wrong_.empty()) return wrong_;
+    if (failed_) return has_result_ ? "a result beside its error" : "";
     if (!has_result_) return "no result";
     return has_seconds_ && !outcome_.empty() ? std::string() : "no outcome, or no seconds, in its result";
   }
@@ -40,6 +40,7 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
 
   bool null() override {
     if (is_field()) is_statistic() ? add(std::nullopt) : refuse("a null");
+    if (key_ == "run" && depth_ == 1) return true;  // of one that could not be described
     return other();
   }
   bool boolean(bool /*value*/) override {
@@ -51,6 +52,7 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
   bool number_float(double value, const std::string& /*text*/) override { return number(value); }
   bool string(std::string& value) override {
     if (depth_ == 1 && key_ == "hash") hash_ = parse_run_hash(value);
+    if (depth_ == 1 && key_ == "error") return true;
     if (is_field() && field_ == "outcome") {
       outcome_ = value;
     } else if (is_field()) {
@@ -105,15 +107,21 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
     }
     return other();
   }
-  /// Of a value that is no object: the row itself has to be one.
+  /// Of a value that is neither an object nor a text: the row itself has to be the one, its error the other.
   bool other() {
     if (depth_ == 0) broken_ = "no object";
+    if (depth_ == 1) check_member(key_ == "run" || key_ == "error");
     return depth_ > 0;
+  }
+  void check_member(bool wrong) {
+    if (wrong && wrong_.empty())
+      wrong_ = key_ == "run" ? "a run that is no object" : "an error that is no text";
   }
   bool start(bool object) {
     if (depth_ == 0 && !object) return other();
     if (is_field()) refuse(object ? "an object" : "a list");
     if (depth_ == 1) {
+      check_member(key_ == "error" || (key_ == "run" && !object));
       if (has_result_ && key_ == "result" && wrong_.empty()) wrong_ = "a second result";
       in_result_ = object && key_ == "result";
       has_result_ = has_result_ || in_result_;
@@ -171,7 +179,7 @@ StoredRow read_stored_row(std::string_view line, const std::string& path, std::s
   if (const std::string problem = reader.problem(); !problem.empty())
     throw ConfigError(path, place, "a stored run", problem);
   StoredRow row{reader.hash(), {}};
-  if (reader.failed()) return row;
+  if (reader.failed()) return row;  // where its files or versions differed, its run is another, too
   const std::optional<std::uint64_t> hash = hash_of_run(line, row.hash);
   if (hash != row.hash)
     throw ConfigError(path, place + ", hash",

@@ -17,7 +17,7 @@ struct StoredRow {
 };
 
 /// Reads a line without its end. Of its "run" only the hash is looked at, which has to be the row's, however
-/// the row is written since; of a run that failed it may be missing.
+/// the row is written since; of a run that failed it may be missing or null.
 /// @param number  of the line, for errors  @throws ConfigError naming file and line for what is no stored run
 StoredRow read_stored_row(std::string_view line, const std::string& path, std::size_t number);
 

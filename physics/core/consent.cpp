@@ -59,6 +59,7 @@ std::string why_foreign(const fs::path& file) {
   const fs::path here = fs::canonical(fs::current_path(error), error);
   const std::optional<fs::path> way = error ? std::nullopt : below(file, here);
   if (!way) return "a file outside the current folder";
+  if (here == here.root_path()) return "a file anywhere, with / as the current folder";
   for (const fs::path& folder : way->parent_path()) {
     const std::string name = folder.string();
     if (name.starts_with('.') || name == "site-packages" || name == "dist-packages")

@@ -1,6 +1,7 @@
-// What a folder holds.
+// What a folder holds, and where it is.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -8,7 +9,19 @@
 
 #include <dirent.h>
 
+#include "physics/core/error.h"
+
 namespace crossgait {
+
+/// Returns the path from the root. @throws ConfigError where the current folder, from which it is, was
+/// removed
+inline std::filesystem::path absolute_path(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::path whole = std::filesystem::absolute(path, error);
+  if (error)
+    throw ConfigError(path.string(), "file", "a current folder that is there", "one that was removed");
+  return whole;
+}
 
 /// Returns the names of what lies in a folder, in no order, without "." and ".."; none of a folder that
 /// cannot be read. Unlike std::filesystem::directory_iterator it throws where there is no memory, and does

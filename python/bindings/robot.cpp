@@ -14,6 +14,7 @@
 
 #include "ik/leg_kinematics.h"
 #include "physics/core/error.h"
+#include "physics/core/folder.h"
 #include "physics/robot/multibody.h"
 #include "physics/robot/robot_identity.h"
 #include "physics/robot_files/data_path.h"
@@ -98,7 +99,7 @@ nb::list inferences(const Robot& robot) {
 // What a robot is loaded by anywhere on this machine, and what tells whether it is still the same.
 nb::tuple pickled(const Robot& robot) {
   const std::string from =
-      std::filesystem::exists(robot.from) ? std::filesystem::absolute(robot.from).string() : robot.from;
+      std::filesystem::exists(robot.from) ? absolute_path(robot.from).string() : robot.from;
   const std::string hash = identity_hash(*robot.description);
   if (identity_hash(*load(from).description) != hash)
     throw ConfigError(from, "robot", "a robot as its file says, to be pickled",

@@ -117,6 +117,14 @@ void check_range(const char* name, double value, double most) {
     throw ConfigError("StartRanges", name, fmt::format("0 to {:g}", most), fmt::format("{}", value));
 }
 
+StartRanges ranges_of(const RangesState& state) {
+  const auto& [position_m, heading_rad, push_mps] = state;
+  check_range("position_m", position_m.value_or(0), StartRanges::kMostPosition);
+  check_range("heading_rad", heading_rad, StartRanges::kMostHeading);
+  check_range("push_mps", push_mps.value_or(0), StartRanges::kMostPush);
+  return {position_m, heading_rad, StartRanges().tilt_rad, push_mps};
+}
+
 std::string repr_of(const StartRanges& r) {
   const auto text = [](const std::optional<double>& number) {
     return number ? fmt::format("{}", *number) : "None";
@@ -133,10 +141,7 @@ void bind_verdicts(nb::module_& m) {
           "__init__",
           [](StartRanges* self, std::optional<double> position_m, double heading_rad,
              std::optional<double> push_mps) {
-            check_range("position_m", position_m.value_or(0), StartRanges::kMostPosition);
-            check_range("heading_rad", heading_rad, StartRanges::kMostHeading);
-            check_range("push_mps", push_mps.value_or(0), StartRanges::kMostPush);
-            new (self) StartRanges{position_m, heading_rad, StartRanges().tilt_rad, push_mps};
+            new (self) StartRanges(ranges_of({position_m, heading_rad, push_mps}));
           },
           nb::kw_only(), nb::arg("position_m") = nb::none(),
           nb::arg("heading_rad") = StartRanges().heading_rad, nb::arg("push_mps") = nb::none())
@@ -147,10 +152,8 @@ void bind_verdicts(nb::module_& m) {
       .def("__repr__", [](const StartRanges& r) { return repr_of(r); })
       .def("__getstate__",
            [](const StartRanges& r) { return RangesState(r.position_m, r.heading_rad, r.push_mps); })
-      .def("__setstate__", [](StartRanges& self, const RangesState& state) {
-        const auto& [position_m, heading_rad, push_mps] = state;
-        new (&self) StartRanges{position_m, heading_rad, StartRanges().tilt_rad, push_mps};
-      });
+      .def("__setstate__",
+           [](StartRanges& self, const RangesState& state) { new (&self) StartRanges(ranges_of(state)); });
   m.def(
       "_judge_walk",
       [](const Subject& walk, const std::vector<std::string>& engines, const StartRanges& starts_from,

@@ -202,17 +202,16 @@ void bind_state(nb::module_& m) {
                                    Eigen::VectorXd(s.qd));
            })
       .def("__setstate__",
-           [](RobotState& s, const std::tuple<double, Vector3, Eigen::Vector4d, Vector3, Vector3,
-                                              Eigen::VectorXd, Eigen::VectorXd>& saved) {
+           [](RobotState& s, const std::tuple<double, Vector3, Eigen::Vector4d, Vector3, Vector3, nb::object,
+                                              nb::object>& saved) {
              const auto& [time, p_WB, q_WB, v_WB, w_WB, q, qd] = saved;
-             new (&s) RobotState;
-             s.time = time;
-             s.p_WB = p_WB;
-             s.q_WB = Quaternion(q_WB[0], q_WB[1], q_WB[2], q_WB[3]);
-             s.v_WB = v_WB;
-             s.w_WB = w_WB;
-             s.q = q;
-             s.qd = qd;
+             new (&s) RobotState{.time = time,
+                                 .p_WB = p_WB,
+                                 .q_WB = Quaternion(q_WB[0], q_WB[1], q_WB[2], q_WB[3]),
+                                 .v_WB = v_WB,
+                                 .w_WB = w_WB,
+                                 .q = joint_vector(q, "q"),
+                                 .qd = joint_vector(qd, "qd")};
            })
       .def_rw("time", &RobotState::time,
               "Simulated seconds since the world was reset: of an environment the settling before its "

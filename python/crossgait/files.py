@@ -40,6 +40,7 @@ def check_outputs(outputs: Iterable[Named], inputs: Iterable[Named] = ()) -> Non
     written = [(option, os.fspath(path)) for option, path in outputs if path is not None]
     written = [(option, path) for option, path in written if path != "-" and _is_replaced(path)]
     for i, (option, path) in enumerate(written):
+        from_root(path)
         for other, another in written[:i]:
             if _is_same(path, another):
                 raise ConfigError("command line", option, "a file of its own", f'"{path}" again, of {other}')
@@ -56,11 +57,18 @@ def _is_replaced(path: str) -> bool:
     return not os.path.exists(path) or os.path.isfile(path)
 
 
-def _is_same(path: str, other: str) -> bool:
-    if os.path.realpath(path) == os.path.realpath(other):
-        return True
+def from_root(path: str | os.PathLike[str]) -> str:
+    """A path from the root. Raises ConfigError where the current folder, from which it is, was removed."""
     try:
-        return os.path.samefile(path, other)
+        return os.path.join("" if os.path.isabs(path) else os.getcwd(), os.fspath(path))
+    except FileNotFoundError as error:
+        expected, found = "a current folder that is there", "one that was removed"
+        raise ConfigError(os.fspath(path), "file", expected, found) from error
+
+
+def _is_same(path: str, other: str) -> bool:
+    try:
+        return os.path.realpath(path) == os.path.realpath(other) or os.path.samefile(path, other)
     except OSError:  # one is not there
         return False
 
@@ -84,9 +92,39 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
 
     What a symbolic link leads to is replaced, not the link; what is no file (a device) is written to. It outlives a
     power cut. What processes that were killed have left in the folder is removed. Raises OSError; and ConfigError of a
-    file whose lock somebody holds, a store that is being written.
+    file whose lock somebody holds, a store that is being written, or where there is no room.
     """
-    target = Path(os.path.realpath(path))
+    with _needing_room(path), _beside(path) as beside:
+        yield beside
+
+
+@contextmanager
+def _needing_room(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Raise ConfigError naming the file where its device is full or fails, which libraries say without a name."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
+            raise
+        expected = "a place that can be written"
+        raise ConfigError(os.fspath(path), "output file", expected, os.strerror(error.errno)) from error
+
+
+def append_whole(path: Path, data: bytes) -> None:
+    """Add bytes to a file that nobody else writes, all of them or none. Raises ConfigError where there is no room."""
+    with _needing_room(path), open(path, "ab", buffering=0) as file:
+        size = os.fstat(file.fileno()).st_size
+        try:
+            if (file.write(data) or 0) < len(data):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        except OSError:
+            os.ftruncate(file.fileno(), size)
+            raise
+
+
+@contextmanager
+def _beside(path: str | os.PathLike[str]) -> Iterator[Path]:
+    target = Path(os.path.realpath(from_root(path)))
     if target.exists() and not target.is_file():
         yield target
         return

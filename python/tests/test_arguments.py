@@ -282,6 +282,22 @@ def test_snapshots_of_other_worlds_are_refused(engine: str) -> None:
         contact.__setstate__((0, 99, zero, zero, 0.0, zero, 0.0))
 
 
+@pytest.mark.parametrize(
+    ("kind", "state", "said"),
+    [
+        (crossgait.StartRanges, (-1.0, 0.0, None), "position_m: expected 0 to 100, found -1"),
+        (crossgait.StartRanges, (None, float("nan"), None), "heading_rad: expected 0 to"),
+        (crossgait.State, (0.0, *[np.zeros(n) for n in (3, 4, 3, 3, 33, 12)]), "q: expected at most 32 numbers"),
+        (crossgait.Terrain, ("mine", "", 2, 2, 1.0, 1.0, bytes(12)), "heights: expected 2 x 2 = 4 values, found 3"),
+        (crossgait.Terrain, ("mine", "", 2, 2, 0.0, 1.0, bytes(16)), "size_x: expected a positive extent"),
+        (crossgait.Terrain, ("mine", "", -2, -2, 1.0, 1.0, bytes(16)), "columns: expected at least 2"),
+    ],
+)
+def test_what_is_unpickled_keeps_its_bounds(kind: type, state: tuple[Any, ...], said: str) -> None:
+    with pytest.raises(ConfigError, match=said):
+        kind.__new__(kind).__setstate__(state)
+
+
 @pytest.mark.parametrize("engine", crossgait.available_engines())
 def test_angles_that_none_turns_to_are_refused(engine: str) -> None:
     world = crossgait.World("serial_quadruped", engine=engine)

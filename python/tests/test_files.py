@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -12,11 +13,11 @@ from pathlib import Path
 import pytest
 
 from crossgait.errors import ConfigError
-from crossgait.files import written_whole
+from crossgait.files import append_whole, written_whole
 
 KILLED = """
 import os, signal, sys
-from crossgait.files import written_whole
+from crossgait.files import append_whole, written_whole
 with written_whole(sys.argv[1]) as beside:
     beside.write_text("half")
     os.kill(os.getpid(), signal.SIGKILL)
@@ -102,3 +103,46 @@ def test_what_is_written_outlives_a_power_cut(tmp_path: Path, monkeypatch: pytes
     with written_whole(tmp_path / "file") as beside:
         beside.write_text("new")
     assert synced == [3]
+
+
+def test_a_place_without_room_is_named(tmp_path: Path) -> None:
+    """Full at a number of bytes: a limit of the process, which the kernel says as it says a full disk."""
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    rows = tmp_path / "rows"
+    append_whole(rows, b"12345678")
+    resource.setrlimit(resource.RLIMIT_FSIZE, (12, old[1]))  # Python ignores the signal that comes with it
+    try:
+        too_large = r"file: output file: expected a place that can be written, found File too large"
+        with pytest.raises(ConfigError, match=too_large), written_whole(tmp_path / "file") as beside:
+            beside.write_bytes(bytes(100))
+        for more in (b"123456", b"1234567"):
+            with pytest.raises(ConfigError, match=r"rows: output file: expected a place that can be written"):
+                append_whole(rows, more)
+            assert rows.read_bytes() == b"12345678"  # not half of it
+        append_whole(rows, b"1234")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+    assert rows.read_bytes() == b"123456781234"
+    assert [path.name for path in tmp_path.iterdir()] == ["rows"]
+
+
+def test_a_current_folder_that_was_removed_is_named(tmp_path: Path) -> None:
+    """In a process of its own, whose current folder is gone."""
+    code = """
+import os, sys
+folder = os.path.abspath("gone")
+os.mkdir(folder)
+os.chdir(folder)
+os.rmdir(folder)
+import crossgait
+result = crossgait.walk(seconds=0.1)
+try:
+    result.save("walk.json")
+except crossgait.ConfigError as error:
+    print(error)
+result.save(sys.argv[1])
+"""
+    run = [sys.executable, "-c", code, str(tmp_path / "walk.json")]
+    said = subprocess.run(run, cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+    assert said == "walk.json: file: expected a current folder that is there, found one that was removed\n"
+    assert (tmp_path / "walk.json").exists()

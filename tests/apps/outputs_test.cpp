@@ -222,6 +222,16 @@ TEST(Outputs, AFileThatBecomesTooLargeIsAnErrorThatLeavesNothing) {
     EXPECT_FALSE(entry.path().filename().string().starts_with("outputs_large")) << entry.path();
 }
 
+TEST(Outputs, ACurrentFolderThatWasRemovedIsNamed) {
+  const ProgramResult result = run_program("walk --seconds .1 --json a.json",
+                                           R"(sh -c 'mkdir gone; cd gone; rmdir ../gone; exec "$@"' sh )");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(
+      result.err.find("a.json: file: expected a current folder that is there, found one that was removed"),
+      std::string::npos)
+      << result.err;
+}
+
 // Results are JSON, which is UTF-8: said before the work, not when it is done.
 TEST(Outputs, NamesThatAreNoUtf8AreRefusedBeforeTheWork) {
   for (const char* option : {"--robot r", "--terrain m", "--json o"})

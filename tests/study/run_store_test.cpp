@@ -268,6 +268,26 @@ TEST_F(StoredRuns, MayBeRowsThatAnotherMade) {
   EXPECT_TRUE(store.find(to_json(run_of(1))));
 }
 
+TEST_F(StoredRuns, ThatFailedSayWhyAndOfWhichRun) {
+  const std::string run = to_json(run_of(1)).dump(), hash = run_hash(run_of(1));
+  const auto row = [&](const std::string& rest) { return R"({"hash":")" + hash + "\"," + rest + "}"; };
+  RunStore store(file());
+  EXPECT_TRUE(store.add_row(row(R"("run":)" + run + R"(,"error":"none")")).second);
+  const std::pair<const char*, const char*> wrong[] = {
+      {R"("error":3)", "an error that is no text"},
+      {R"("error":null)", "an error that is no text"},
+      {R"("error":{"a":1})", "an error that is no text"},
+      {R"("run":[],"error":"none")", "a run that is no object"},
+      {R"("run":"a","error":"none")", "a run that is no object"},
+      {R"("run":3,"error":"none")", "a run that is no object"},
+      {R"("error":"none","result":{"outcome":"fell","seconds":1})", "a result beside its error"},
+  };
+  for (const auto& [rest, problem] : wrong) {
+    const std::string found = config_error([&] { store.add_row(row(rest)); }).found();
+    EXPECT_NE(found.find(problem), std::string::npos) << rest << ": " << found;
+  }
+}
+
 TEST_F(StoredRuns, SayWhatTheyAre) {
   six(1);
   const auto line = nlohmann::json::parse(lines().front());

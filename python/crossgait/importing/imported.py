@@ -15,6 +15,7 @@ from crossgait._core import EnvironmentConfig, PolicyInterface, Robot
 from crossgait.errors import ConfigError, unknown_key
 from crossgait.files import (
     check_outputs,
+    from_root,
     locked_folder,
     noting_reads,
     read_bytes,
@@ -131,7 +132,7 @@ def import_policy(
         roots, agent = _read_files(files, config_class)
         if file.endswith(".onnx"):
             roots += _metadata(file)
-    folder = Path(os.path.abspath(out))
+    folder = Path(os.path.normpath(from_root(out)))
     outputs = [("--out", folder / each) for each in (*_may_be_written(folder), TABLE_FILE)]
     check_outputs(outputs, [("the policy", file), *read])
     _check_folder(folder)

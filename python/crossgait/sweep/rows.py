@@ -140,6 +140,19 @@ def _environment(behaviour: dict[str, Any]) -> dict[str, Any]:
     return behaviour | {"environment": {k: v for k, v in keys.items() if f"{k}:" not in _ELSEWHERE}}
 
 
+def _row(said: dict[str, Any], settings: dict[str, Any]) -> dict[str, Any]:
+    """What a line says, a column each."""
+    row: dict[str, Any] = {"hash": said["hash"]} | settings
+    run = said.get("run") or {}
+    _flat(run | {"behaviour": _environment(run["behaviour"])} if "behaviour" in run else run, "", row)
+    result = dict(said.get("result", {}))
+    if "seconds" in result:
+        result["simulated_seconds"] = result.pop("seconds")  # as walks call it; `seconds` is what is asked for
+        if result["simulated_seconds"] > 0 and result.get("distance_m") is not None:
+            result["mean_speed_mps"] = result["distance_m"] / result["simulated_seconds"]
+    return row | result | {"error": said.get("error")}
+
+
 def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | None = None) -> pd.DataFrame:
     """Rows of a sweep as a table, by hash in the order of the file.
 
@@ -165,17 +178,10 @@ def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | N
     for _, said in _whole_lines(Path(path)):
         if (said_of is not None and said["hash"] not in said_of) or not _is_kept(said, rows):
             continue
-        row: dict[str, Any] = {"hash": said["hash"]} | (said_of or {}).get(said["hash"], {})
-        run = said.get("run") or {}
-        _flat(run | {"behaviour": _environment(run["behaviour"])} if "behaviour" in run else run, "", row)
-        result = dict(said.get("result", {}))
-        if "seconds" in result:
-            result["simulated_seconds"] = result.pop("seconds")  # as walks call it; `seconds` is what is asked for
-            if result["simulated_seconds"] > 0 and "distance_m" in result:
-                result["mean_speed_mps"] = result["distance_m"] / result["simulated_seconds"]
-        row.update(result)
-        row["error"] = said.get("error")
-        rows[said["hash"]] = row
+        try:
+            rows[said["hash"]] = _row(said, (said_of or {}).get(said["hash"], {}))
+        except (AttributeError, TypeError) as error:  # of another's run, whose hash is right
+            raise ConfigError(str(path), f"hash {said['hash']}", "what a run holds", str(error)) from error
     order = rows if said_of is None else [name for name in said_of if name in rows]
     columns = None if rows else ["hash", "error"]
     return pd.DataFrame([rows[name] for name in order], columns=columns).set_index("hash")

@@ -38,8 +38,10 @@ def save(folder: Path, model: PPO, normalise: VecNormalize, state: dict[str, Any
         "random": {"torch": torch.get_rng_state(), "numpy": _numpy_state(), "python": random.getstate()},
         "state": _converted(state, np.ndarray, torch.from_numpy),
     }
+    saved = io.BytesIO()  # of a full disk torch says where in its own code it noticed
+    torch.save(document, saved)
     with written_whole(folder / CHECKPOINT) as beside:
-        torch.save(document, beside)
+        beside.write_bytes(saved.getbuffer())
 
 
 def load(folder: Path, model: PPO, normalise: VecNormalize) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from typing import Any
 
 from crossgait import _core
 from crossgait.errors import ConfigError
-from crossgait.files import locked_folder, read_bytes, written_whole
+from crossgait.files import from_root, locked_folder, read_bytes, written_whole
 from crossgait.train.plan import Plan
 
 CONFIG, COMMANDS, ENVIRONMENT, _LOCK = "config.yaml", "commands.jsonl", "environment.yaml", ".lock"
@@ -65,7 +65,7 @@ def begin(folder: Path, plan: Plan, arguments: Sequence[str], *, resume: bool) -
 def _command(plan: Plan, arguments: Sequence[str]) -> dict[str, Any]:
     return {
         "command": list(arguments),
-        "folder": os.getcwd(),
+        "folder": os.path.normpath(from_root(".")),
         "begun": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "seed": plan["seed"],
         "versions": {"crossgait": _core.version(), "python": platform.python_version()}

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-import os
 import sys
 import time
 from pathlib import Path
 from typing import Any
 
 from crossgait.errors import ConfigError
-from crossgait.files import read_bytes, written_whole
+from crossgait.files import append_whole, read_bytes, written_whole
 
 Row = dict[str, Any]
 MOST_BYTES = 256 << 20  #: of a table
@@ -33,16 +32,12 @@ class Table:
                 beside.write_text("".join([self._text(self._columns), *map(self._line, rows)]) if rows else "")
 
     def add(self, row: Row) -> None:
-        """Append one row, in one write."""
+        """Append one row. Raises ConfigError where there is no room."""
         text = ""
         if not self._columns:
             self._columns = list(row)
             text = self._text(self._columns)
-        file = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
-        try:
-            os.write(file, (text + self._line(row)).encode())
-        finally:
-            os.close(file)
+        append_whole(self.path, (text + self._line(row)).encode())
 
     def _line(self, row: Row) -> str:
         return self._text([row.get(name) for name in self._columns])

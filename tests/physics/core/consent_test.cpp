@@ -68,6 +68,12 @@ TEST_F(Consent, IsMissingElsewhere) {
             "a readable file");
 }
 
+TEST_F(Consent, IsMissingWhereEverythingIsBelowTheCurrentFolder) {
+  write("here/a.xacro", "");
+  fs::current_path("/");
+  EXPECT_EQ(why_refused("here/a.xacro"), "a file anywhere, with / as the current folder");
+}
+
 TEST_F(Consent, IsMissingForFilesOfOthers) {
   const std::string file = write("here/a.xacro", "");
   constexpr uid_t kNobody = 65534;
