@@ -250,11 +250,9 @@ void RunIndex::add(std::uint64_t hash, std::size_t begin, std::size_t end, bool 
   lacks_line_end_ = false;
 }
 
-std::vector<std::pair<std::uint64_t, bool>> RunIndex::rows() const {
-  std::vector<std::pair<std::uint64_t, bool>> all;
-  all.reserve(places_.size());
-  for (const Place& place : places_) all.emplace_back(place.hash, place.failed == 1);
-  return all;
+std::optional<bool> RunIndex::has_failed(std::uint64_t hash) const {
+  const Place* const place = place_of(hash);
+  return place == nullptr ? std::nullopt : std::optional(place->failed == 1);
 }
 
 void RunIndex::save(std::size_t least_bytes) noexcept try {

@@ -47,8 +47,8 @@ class RunIndex {
   /// its end  @param failed  whether its run did
   void add(std::uint64_t hash, std::size_t begin, std::size_t end, bool failed = false);
 
-  /// Lists hashes of all rows, in their order, and of each whether it is of a run that failed.
-  std::vector<std::pair<std::uint64_t, bool>> rows() const;
+  /// Tells whether the run of a row failed; none where no row is of it.
+  std::optional<bool> has_failed(std::uint64_t hash) const;
 
   /// Writes FILE.index if the store is large enough and enough of it is new, and no file of somebody else's
   /// is in the way. For whoever holds the store's lock. What cannot be written is not: it only saves time.

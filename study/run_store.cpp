@@ -68,9 +68,9 @@ std::pair<std::uint64_t, bool> RunStore::add_row(std::string_view row) {
   return {read.hash, !read.result};
 }
 
-std::vector<std::pair<std::uint64_t, bool>> RunStore::rows() const {
+std::optional<bool> RunStore::has_failed(std::uint64_t hash) const {
   const std::scoped_lock lock(mutex_);
-  return index_.rows();
+  return index_.has_failed(hash);
 }
 
 void RunStore::sync() {

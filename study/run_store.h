@@ -52,8 +52,8 @@ class RunStore {
   /// @returns its hash, and whether the run failed  @throws ConfigError as `read_stored_row`, or if it cannot
   /// be written
   std::pair<std::uint64_t, bool> add_row(std::string_view row);
-  /// Lists hashes of all rows, and of each whether it is of a run that failed.
-  std::vector<std::pair<std::uint64_t, bool>> rows() const;
+  /// Tells whether the run of a row failed; none where no row is of it.
+  std::optional<bool> has_failed(std::uint64_t hash) const;
   /// Sees that the rows outlive a power cut. @throws ConfigError if they cannot be written
   void sync();
 

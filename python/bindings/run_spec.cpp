@@ -4,8 +4,10 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include "physics/core/error.h"
@@ -35,8 +37,6 @@ struct OpenStore {
   }
 };
 
-std::string hex(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
-
 void bind_store(nb::module_& m) {
   nb::class_<OpenStore>(m, "_RunStore", "A file of runs while it is written, as verdicts write it.")
       .def(
@@ -47,20 +47,16 @@ void bind_store(nb::module_& m) {
           },
           nb::arg("path"), "Takes its lock. Raises ConfigError.")
       .def(
-          "rows",
-          [](const OpenStore& self) {
-            nb::dict rows;
-            for (const auto& [hash, failed] : self.get("rows").rows()) rows[hex(hash).c_str()] = failed;
-            return rows;
+          "has_failed",
+          [](const OpenStore& self, std::string_view hash) {
+            const RunStore& store = self.get("has_failed");
+            const std::optional<std::uint64_t> number = parse_run_hash(hash);
+            return number ? store.has_failed(*number) : std::nullopt;
           },
-          nb::sig("def rows(self) -> dict[str, bool]"), "Hashes, and whether the run failed.")
+          nb::arg("hash"), "Whether the run failed; None where no row is of it.")
       .def(
-          "add",
-          [](OpenStore& self, const std::string& row) {
-            const auto [hash, failed] = self.get("add").add_row(row);
-            return std::pair(hex(hash), failed);
-          },
-          nb::arg("row"), "Appends a row. Returns its hash, and whether the run failed. Raises ConfigError.")
+          "add", [](OpenStore& self, const std::string& row) { self.get("add").add_row(row); },
+          nb::arg("row"), "Appends a row. Raises ConfigError.")
       .def("sync", [](OpenStore& self) { self.get("sync").sync(); })
       .def(
           "check_place", [](const OpenStore& self) { self.get("check_place").check_place(); },

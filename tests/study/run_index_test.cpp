@@ -156,7 +156,9 @@ TEST_F(RunIndexes, KnowRunsThatFailed) {
   const RunIndex index(store());
   EXPECT_EQ(index.size(), 2U) << "a run that was made is made";
   EXPECT_TRUE(index.find(long_run_hash(1)));
-  for (const auto& [hash, has_failed] : index.rows()) EXPECT_FALSE(has_failed) << hash;
+  EXPECT_EQ(index.has_failed(long_run_hash(0)), false);
+  EXPECT_EQ(index.has_failed(long_run_hash(1)), false);
+  EXPECT_EQ(index.has_failed(long_run_hash(2)), std::nullopt);
 }
 
 }  // namespace

@@ -58,7 +58,6 @@ class RowFile:
         """Open it, which changes nothing that is there. Raises ConfigError."""
         self.path = Path(path)
         self._store = _core._RunStore(os.fspath(path))
-        self.failed: dict[str, bool] = self._store.rows()  #: hashes that are there, and whether the run failed
 
     def __enter__(self) -> RowFile:
         return self
@@ -73,10 +72,13 @@ class RowFile:
         finally:
             self._store.close()  # and with it the lock
 
+    def has_failed(self, run: str) -> bool | None:
+        """Whether the run of this hash failed; None if it has no row. What was made once counts as made."""
+        return self._store.has_failed(run)
+
     def add(self, row: str) -> None:
         """Append a row, whole or not at all; once it returns, the row outlives this process. Raises ConfigError."""
-        made, failed = self._store.add(row)
-        self.failed[made] = failed and self.failed.get(made, True)  # what is made stays made
+        self._store.add(row)
 
     def sync(self) -> None:
         """See that the rows outlive a power cut."""

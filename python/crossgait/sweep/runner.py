@@ -110,7 +110,8 @@ def sweep(
     if isinstance(runs, (str, os.PathLike)) or not isinstance(runs, Sequence):
         raise ConfigError("sweep", "runs", "runs of a study: Study.load(file).runs()", type(runs).__name__)
     with RowFile(rows) as file:
-        todo = deque(r for r in runs if file.failed.get(r.hash, True) and (retry_failed or r.hash not in file.failed))
+        again = (None, True) if retry_failed else (None,)
+        todo = deque(run for run in runs if file.has_failed(run.hash) in again)
         summary = Summary(runs=len(runs), there_before=len(runs) - len(todo))
         if todo:
             workers = executor()
@@ -144,7 +145,7 @@ def _make(
             else:
                 file.add(row)
                 summary.made += 1
-                summary.failed += file.failed[outcome.task.hash]
+                summary.failed += bool(file.has_failed(outcome.task.hash))
         summary.seconds = time.monotonic() - begin
         summary.workers = workers.workers
         if listener is not None:
