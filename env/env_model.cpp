@@ -98,6 +98,7 @@ std::shared_ptr<const EnvModel> EnvModel::make(const LoadedEnv& loaded) {
       .interface = {.observation = {}, .action = {}, .policy_dt = config.policy_dt},
       .observer = {},
       .foot_kinematics = FootKinematics(*world.robot),
+      .action_bounds = {},
       .layout = {},
       .policy_steps = step_count(config.policy_dt, config.control_dt),
       .max_steps = step_count(config.episode_seconds, config.policy_dt)};
@@ -113,6 +114,8 @@ std::shared_ptr<const EnvModel> EnvModel::make(const LoadedEnv& loaded) {
     std::vector<LayoutEntry>& entries = model.interface.observation.entries;
     entries.insert(entries.end(), added.begin(), added.end());
   }
+  for (const LayoutEntry& entry : model.interface.action.entries)
+    model.action_bounds.emplace_back(entry.min, entry.max);
   model.layout = layout_hash(model.interface.observation, model.interface.action);
   return std::make_shared<const EnvModel>(std::move(model));
 }

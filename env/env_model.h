@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "env/loaded_env.h"
@@ -27,6 +28,8 @@ struct EnvModel {
   PolicyInterface interface;
   Observer observer;  ///< before an episode
   FootKinematics foot_kinematics;
+  /// Smallest and largest value of each action: those of the layout, without its texts between them.
+  std::vector<std::pair<double, double>> action_bounds;
   std::string layout;    ///< hash of the interface
   int policy_steps = 1;  ///< control steps in a policy step
   int max_steps = 0;     ///< policy steps in an episode

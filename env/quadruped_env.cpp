@@ -166,8 +166,8 @@ void QuadrupedEnv::take_action(std::span<const double> action) noexcept {
   for (std::size_t i = 0; i < action.size(); ++i) {
     const bool finite = std::isfinite(action[i]);
     e.info.invalid_actions += finite ? 0 : 1;
-    const LayoutEntry& entry = action_layout().entries[i];
-    e.action[i] = finite ? std::clamp(action[i], entry.min, entry.max) : 0;
+    const auto& [least, most] = model_->action_bounds[i];
+    e.action[i] = finite ? std::clamp(action[i], least, most) : 0;
     e.info.clipped_actions += finite && e.action[i] != action[i] ? 1 : 0;
   }
   if (auto* joints = std::get_if<JointControl>(&e.control)) {

@@ -195,7 +195,9 @@ double GaitGenerator::shift_speed(const Stride& wanted) const noexcept {
 double GaitGenerator::largest_shift(const Stride& candidate) const noexcept {
   double largest = 0;
   for (const Leg leg : kLegs) {
-    largest = std::max(largest, (position_of(leg, candidate) - targets_[leg].position).squaredNorm());
+    largest = std::max(
+        largest,
+        (position_of(leg, candidate, phase_of(leg, candidate)) - targets_[leg].position).squaredNorm());
   }
   return std::sqrt(largest);
 }
@@ -257,8 +259,8 @@ LegPhase GaitGenerator::phase_of(Leg leg, const Stride& stride) const noexcept {
   return leg_phase(clock_.phase(), offset_[leg], stride.parameters.duty_factor);
 }
 
-Vector3 GaitGenerator::position_of(Leg leg, const Stride& stride) const noexcept {
-  return foot_position(stride.parameters, leg, phase_of(leg, stride),
+Vector3 GaitGenerator::position_of(Leg leg, const Stride& stride, const LegPhase& phase) const noexcept {
+  return foot_position(stride.parameters, leg, phase,
                        {rolling_correction_.cwiseProduct(stride.step[leg]), stride.lift_scale, curve_[leg]});
 }
 
@@ -268,7 +270,7 @@ void GaitGenerator::place_feet() noexcept {
     const LegPhase phase = phase_of(leg, effective_);
     // Both curves begin where the stance ends, so a foot changes over while it stands.
     if (!phase.swing) curve_[leg] = wanted_.swing;
-    targets_[leg] = {position_of(leg, effective_), phase.swing && lifts, phase.phase, phase.progress};
+    targets_[leg] = {position_of(leg, effective_, phase), phase.swing && lifts, phase.phase, phase.progress};
   }
 }
 

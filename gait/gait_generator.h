@@ -98,7 +98,7 @@ class GaitGenerator {
   void begin_cycle(const GaitParameters& wanted) noexcept;
   void place_feet() noexcept;
   LegPhase phase_of(Leg leg, const Stride& stride) const noexcept;
-  Vector3 position_of(Leg leg, const Stride& stride) const noexcept;
+  Vector3 position_of(Leg leg, const Stride& stride, const LegPhase& phase) const noexcept;
 
   Gait gait_;
   GaitParameters wanted_;

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -74,7 +75,7 @@ constexpr std::string_view kSource = "gait parameters";
 constexpr std::array kCurves{SwingCurve::kBezier, SwingCurve::kMatched};
 
 /// Smallest value for which the formulas hold.
-double valid_from(double P::*member) {
+constexpr double valid_from(double P::*member) {
   constexpr double kShortestCycle = 0.05, kLowestBody = 1e-3, kUnbounded = -1e3, kLeastDuty = 0.05;
   if (member == &P::duty_factor) return kLeastDuty;
   if (member == &P::cycle_time) return kShortestCycle;
@@ -83,11 +84,19 @@ double valid_from(double P::*member) {
   return kUnbounded;
 }
 
-double valid_to(double P::*member) {
+constexpr double valid_to(double P::*member) {
   constexpr double kMostDuty = 0.95, kMostShare = 2, kMost = 1e3;  // m or s; also keeps infinities out
   if (member == &P::load_share) return kMostShare;
   return member == &P::duty_factor ? kMostDuty : kMost;
 }
+
+/// Of each row of the table: asked for at every change of a gait.
+constexpr auto kValid = [] {
+  std::array<std::pair<double, double>, kTable.size()> bounds{};
+  for (std::size_t i = 0; i < kTable.size(); ++i)
+    bounds[i] = {valid_from(kTable[i].member), valid_to(kTable[i].member)};
+  return bounds;
+}();
 
 bool holds(const ParameterRow& row, double value) {
   return value >= valid_from(row.member) && value <= valid_to(row.member);
@@ -223,8 +232,9 @@ GaitParameters clip(const GaitParameters& parameters) noexcept {
 }
 
 bool is_valid(const GaitParameters& parameters) noexcept {
-  for (const ParameterRow& row : kTable) {
-    if (!holds(row, parameters.*row.member)) return false;
+  for (std::size_t i = 0; i < kTable.size(); ++i) {
+    const double value = parameters.*kTable[i].member;
+    if (!(value >= kValid[i].first && value <= kValid[i].second)) return false;
   }
   return true;
 }

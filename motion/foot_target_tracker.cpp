@@ -58,7 +58,7 @@ FootTargetTracker::FootTargetTracker(std::shared_ptr<const RobotDescription> des
   for (const Leg leg : kLegs) {
     const LegKinematics& kinematics = kinematics_[leg];
     LegServos& servos = servos_[leg];
-    servos.stiffness.resize(kinematics.servo_count());
+    servos.count = kinematics.servo_count();
     for (std::size_t k = 0; k < kinematics.servo_joints().size(); ++k) {
       const int index = kinematics.servo_joints()[k];
       const Joint& joint = robot.joint(index);
@@ -77,7 +77,6 @@ FootTargetTracker::FootTargetTracker(std::shared_ptr<const RobotDescription> des
       const Joint& elbow = robot.joint(kinematics.passive_joints()[0]);
       servos.passive_drag = {elbow.damping, elbow.friction, slow};
     }
-    last_[leg].servos = ServoVector::Zero(kinematics.servo_count());
   }
   // Actuated joints that belong to no leg hold their home angle.
   targets_.q.resize(static_cast<Eigen::Index>(actuated.size()));
@@ -107,8 +106,8 @@ FootTargetTracker::Solution FootTargetTracker::follow(Leg leg, const Vector3& fo
   if (five_bar == nullptr) {
     const LegInverse inverse = solve(leg, foot);
     s.status = inverse.status;
-    s.servos = inverse.posture.servos;
-    if (compensates()) s.jacobian = kinematics.jacobian(inverse.posture);
+    s.servos.head(inverse.posture.servos.size()) = inverse.posture.servos;
+    if (compensates()) s.jacobian.leftCols(kinematics.servo_count()) = kinematics.jacobian(inverse.posture);
     return s;
   }
   const int count = kinematics.servo_count();
@@ -116,8 +115,12 @@ FootTargetTracker::Solution FootTargetTracker::follow(Leg leg, const Vector3& fo
       place_leg(*five_bar, {foot.x(), count == 3 ? foot.y() : 0, foot.z()}, kinematics.home_branch().mode);
   const ServoSolution found = servos_of(*five_bar, placed);
   s.status = found.status;
-  s.servos = Vector3(found.angles.tilt, found.angles.shoulder_left, found.angles.shoulder_right).tail(count);
-  if (compensates()) s.jacobian = leg_jacobian(*five_bar, placed).rightCols(count);
+  s.servos = {found.angles.tilt, found.angles.shoulder_left, found.angles.shoulder_right};
+  if (compensates()) s.jacobian = leg_jacobian(*five_bar, placed);
+  if (count == 2) {  // without the tilt
+    s.servos.head<2>() = Vector2(s.servos.tail<2>());
+    s.jacobian.leftCols<2>() = Eigen::Matrix<double, 3, 2>(s.jacobian.rightCols<2>());
+  }
   if (compensation_.lag && moving_)
     s.drag =
         elbow_drag_force(*five_bar, placed, (foot - last_[leg].position) / dt, servos_[leg].passive_drag);
@@ -125,10 +128,10 @@ FootTargetTracker::Solution FootTargetTracker::follow(Leg leg, const Vector3& fo
 }
 
 // Torques of the servos that the motion since the last update takes, N m, and those that hold up `load` (N).
-ServoVector FootTargetTracker::torque(Leg leg, const Solution& at, double load, double dt) const noexcept {
+Vector3 FootTargetTracker::torque(Leg leg, const Solution& at, double load, double dt) const noexcept {
   const LegServos& servos = servos_[leg];
-  ServoVector torque(at.servos.size());
-  for (Eigen::Index k = 0; k < torque.size(); ++k) {
+  Vector3 torque = Vector3::Zero();
+  for (Eigen::Index k = 0; k < servos.count; ++k) {
     torque[k] = -load * at.jacobian(2, k);  // the foot pushes down
     if (!compensation_.lag || !moving_) continue;
     const double rate = (at.servos[k] - last_[leg].servos[k]) / dt;
@@ -137,8 +140,7 @@ ServoVector FootTargetTracker::torque(Leg leg, const Solution& at, double load, 
     const double bound = compensation_.max_lead * servos.stiffness[k];
     torque[k] += std::clamp(lag, -bound, bound);
   }
-  if (!torque.allFinite()) torque.setZero();
-  return torque;
+  return torque.allFinite() ? torque : Vector3(Vector3::Zero());
 }
 
 const JointTargets& FootTargetTracker::update(const LegArray<Vector3>& feet, double dt) noexcept {
@@ -148,13 +150,13 @@ const JointTargets& FootTargetTracker::update(const LegArray<Vector3>& feet, dou
     const LegServos& servos = servos_[leg];
     status_[leg] = solution.status;
     if (solution.status != IkStatus::kOk) ++clamped_;
-    ServoVector servo = solution.servos;
+    Vector3 servo = solution.servos;
     if (compensates() && solution.status == IkStatus::kOk) {
       const double load = compensation_.load ? load_share_ * weight_ * shares[leg] : 0;
       servo += torque(leg, solution, load, dt).cwiseQuotient(servos.stiffness);
     }
     last_[leg] = {feet[leg], solution.servos};
-    for (Eigen::Index k = 0; k < servo.size(); ++k)
+    for (Eigen::Index k = 0; k < servos.count; ++k)
       targets_.q[servos.slots[static_cast<std::size_t>(k)]] = servo[k];
   }
   moving_ = dt > 0;
@@ -181,7 +183,7 @@ void FootTargetTracker::set_joints(Leg leg, const Vector3& foot, JointVector& q)
 Vector3 FootTargetTracker::compliance_deflection(Leg leg, const Vector3& foot, double load) const noexcept {
   const LegJacobian jacobian = kinematics_[leg].jacobian(solve(leg, foot).posture);
   const ServoVector torque = load * jacobian.row(2).transpose();
-  return jacobian * torque.cwiseQuotient(servos_[leg].stiffness);
+  return jacobian * torque.cwiseQuotient(servos_[leg].stiffness.head(torque.size()));
 }
 
 Vector2 FootTargetTracker::rolling_correction(const LegArray<Vector3>& feet,

@@ -69,7 +69,8 @@ class FootTargetTracker {
 
   struct LegServos {
     std::array<Eigen::Index, 3> slots{};  // of the leg's servos in JointTargets
-    ServoVector stiffness;                // N m/rad
+    Eigen::Index count = 0;
+    Vector3 stiffness = Vector3::Ones();  // N m/rad
     std::array<JointDrag, 3> drag;        // servo and joint together
     JointDrag passive_drag;
     std::array<JointLimits, 3> limits;  // those of what moves with a servo in them, rad
@@ -77,18 +78,19 @@ class FootTargetTracker {
   };
   struct LastUpdate {
     Vector3 position = Vector3::Zero();  // m
-    ServoVector servos;                  // rad
+    Vector3 servos = Vector3::Zero();    // rad
   };
-  // What a leg is to do, and what compensation takes of its kinematics.
+  // What a leg is to do, and what compensation takes of its kinematics. Of legs with fewer servos than three
+  // the last entries stand for none: sizes that the compiler knows take half the time.
   struct Solution {
     IkStatus status = IkStatus::kOk;
-    ServoVector servos;              // rad
-    LegJacobian jacobian;            // empty where nothing is compensated
-    Vector3 drag = Vector3::Zero();  // of passive elbows on the foot, N
+    Vector3 servos = Vector3::Zero();    // rad
+    Matrix3 jacobian = Matrix3::Zero();  // of nothing where nothing is compensated
+    Vector3 drag = Vector3::Zero();      // of passive elbows on the foot, N
   };
   bool compensates() const noexcept { return compensation_.lag || compensation_.load; }
   Solution follow(Leg leg, const Vector3& foot, double dt) const noexcept;
-  ServoVector torque(Leg leg, const Solution& at, double load, double dt) const noexcept;
+  Vector3 torque(Leg leg, const Solution& at, double load, double dt) const noexcept;
   LegInverse solve(Leg leg, const Vector3& foot) const noexcept;
 
   std::shared_ptr<const RobotDescription> robot_;

@@ -20,11 +20,6 @@ Vector2 elbow_drag(const TwoLinkChain& chain, const ChainLinks& links, const Vec
 
 }  // namespace
 
-double JointDrag::dry(double rate) const noexcept {
-  return friction * rate /
-         std::sqrt(rate * rate + slow * slow);  // hypot takes twice the time, for 1e150 rad/s
-}
-
 LegArray<double> load_shares(const LegArray<Vector3>& feet, double depth) noexcept {
   double lowest = feet[kLegs.front()].z(), sum = 0;
   for (const Leg leg : kLegs) lowest = std::min(lowest, feet[leg].z());

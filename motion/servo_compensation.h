@@ -1,6 +1,8 @@
 // What a soft servo has to be asked for so that a moving joint is where it should be.
 #pragma once
 
+#include <cmath>
+
 #include "ik/five_bar_leg.h"
 #include "physics/robot/leg.h"
 
@@ -34,7 +36,10 @@ struct JointDrag {
   double torque(double rate) const noexcept { return damping * rate + dry(rate); }
   /// Returns the torque of friction alone: friction rate / sqrt(rate^2 + slow^2), so that a target that turns
   /// round does not jump.
-  double dry(double rate) const noexcept;
+  double dry(double rate) const noexcept {
+    return friction * rate /
+           std::sqrt(rate * rate + slow * slow);  // hypot takes twice the time, for 1e150 rad/s
+  }
 };
 
 /// Returns the force (N, leg frame) with which a foot must push to overcome passive elbows' drag while it
