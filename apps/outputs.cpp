@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "apps/command.h"
@@ -53,6 +54,16 @@ bool is_replaced(const std::string& path) {
   return !fs::exists(path, error) || fs::is_regular_file(path, error);
 }
 
+/// Tells whether a file is what standard output leads to, by whatever name: /dev/stdout, or where a shell has
+/// it go. Of devices only a terminal: everybody may write to /dev/null.
+bool is_standard_output(const std::string& path) {
+  struct stat file {
+  }, out{};
+  if (::stat(path.c_str(), &file) != 0 || ::fstat(STDOUT_FILENO, &out) != 0) return false;
+  if (file.st_dev != out.st_dev || file.st_ino != out.st_ino) return false;
+  return !S_ISCHR(out.st_mode) || ::isatty(STDOUT_FILENO) == 1;
+}
+
 // Of options whose type says so, "-" is standard output.
 bool takes_standard_output(const CLI::Option& option) { return option.get_type_name().ends_with("|-"); }
 
@@ -70,6 +81,13 @@ std::vector<NamedFile> outputs_of(const CLI::App& command) {
       if (path == "-")
         throw ConfigError("command line", option->get_name(), "the name of a file (./- is one)", "\"-\"");
       if (path.empty()) throw ConfigError("command line", option->get_name(), "the name of a file", "\"\"");
+      if (is_standard_output(path)) {
+        if (is_replaced(path))  // what is printed would go into a file that has no name any more
+          throw ConfigError("command line", option->get_name(), "a file of its own",
+                            fmt::format("\"{}\", where standard output goes", path));
+        if (std::exchange(to_standard_output, true))
+          throw ConfigError("command line", option->get_name(), "one output on standard output", "a second");
+      }
       if (is_replaced(path)) outputs.push_back(named_file(option->get_name(), path));
     }
   }
