@@ -15,6 +15,7 @@
 
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
+#include "physics/core/folder.h"
 #include "physics/core/hash.h"
 #include "physics/core/read_budget.h"
 
@@ -28,6 +29,7 @@ constexpr std::size_t kSeam = 4096;  // bytes by which a store is known again
 class RandomAccessFile {
  public:
   explicit RandomAccessFile(const std::string& path) : path_(path) {
+    check_file_name(path);
     file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (file_ < 0) fail(errno == ENOENT ? "none" : std::generic_category().message(errno));
     if (::fstat(file_, &status_) == 0 && S_ISREG(status_.st_mode)) return;

@@ -98,6 +98,7 @@ std::string place_of_output(const std::string& path) {
 
 AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
   if (path_.empty()) throw ConfigError("output file", "name", "one that is not empty", "\"\"");
+  check_file_name(path_);
   struct stat existing {};
   special_ = ::stat(path_.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode);
   // What /dev/stdout and a shell's >(...) lead to may have no name.

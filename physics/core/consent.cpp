@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "physics/core/error.h"
+#include "physics/core/folder.h"
 #include "physics/core/text.h"
 
 namespace crossgait {
@@ -79,6 +80,7 @@ std::string trusted_folders() {
 }
 
 void require_consent(const std::string& file, std::string_view runs) {
+  check_file_name(file);
   std::error_code error;
   const fs::path real = fs::canonical(file, error);
   if (error) throw ConfigError(file, "file", "a readable file", error.message());
@@ -98,6 +100,7 @@ void require_consent(const std::string& file, std::string_view runs) {
 }
 
 void trust_folder(const std::string& folder, const std::string& source) {
+  check_file_name(folder);
   std::error_code error;
   const fs::path real = fs::canonical(folder, error);
   if (error || !fs::is_directory(real, error))

@@ -13,6 +13,12 @@
 
 namespace crossgait {
 
+/// Throws ConfigError for a name that the system would take for another: it reads names up to a byte of zero.
+inline void check_file_name(const std::string& path) {
+  if (path.find('\0') != std::string::npos)
+    throw ConfigError(path, "file", "a name without a byte of zero", "one in it");
+}
+
 /// Returns the path from the root. @throws ConfigError where the current folder, from which it is, was
 /// removed
 inline std::filesystem::path absolute_path(const std::filesystem::path& path) {

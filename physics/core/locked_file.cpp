@@ -16,6 +16,7 @@
 
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
+#include "physics/core/folder.h"
 
 namespace crossgait {
 namespace {
@@ -52,6 +53,7 @@ void check_regular(const std::string& path, const struct stat& status) {
 }  // namespace
 
 LockedFile::LockedFile(std::string path) : path_(std::move(path)) {
+  check_file_name(path_);
   struct stat status {};
   // Before it is opened, which some devices take for a command.
   if (::stat(path_.c_str(), &status) == 0) check_regular(path_, status);

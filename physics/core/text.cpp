@@ -13,6 +13,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
+#include "physics/core/folder.h"
 #include "physics/core/input_guard.h"
 
 namespace crossgait {
@@ -31,6 +32,7 @@ std::string kind_of(mode_t mode) {
 class OpenFile {
  public:
   explicit OpenFile(const std::string& path) : path_(path) {
+    check_file_name(path);
     // Not waiting for somebody to write to a pipe.
     descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor_ < 0) fail(errno == ENOENT ? "none" : std::generic_category().message(errno));

@@ -14,6 +14,9 @@
 
 namespace crossgait {
 
+/// The most threads of one pool (docs/limits.md).
+inline constexpr std::size_t kMaxWorkers = 1024;
+
 /// Calls a function for every index of a range, on all workers at once. Which worker gets which index is left
 /// to chance, so results must not depend on it. The caller's thread is one of the workers. A fork of the
 /// process has none of the threads: there, a pool of several workers refuses to work.

@@ -74,6 +74,12 @@ TEST_F(Consent, IsMissingWhereEverythingIsBelowTheCurrentFolder) {
   EXPECT_EQ(why_refused("here/a.xacro"), "a file anywhere, with / as the current folder");
 }
 
+TEST_F(Consent, IsOfTheWholeName) {
+  const std::string other = path("here-too") + std::string("\0harmless", 9);
+  EXPECT_EQ(config_error([&] { trust_folder(other, "test"); }).expected(), "a name without a byte of zero");
+  EXPECT_EQ(trusted_folders(), "");
+}
+
 TEST_F(Consent, IsMissingForFilesOfOthers) {
   const std::string file = write("here/a.xacro", "");
   constexpr uid_t kNobody = 65534;
