@@ -148,9 +148,12 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
 /// Computes the hash that a row's run has, of its bytes where they are as `stored_run` writes them.
 std::optional<std::uint64_t> hash_of_run(std::string_view line, std::uint64_t expected) {
   constexpr std::string_view kBegin = R"({"hash":"0123456789abcdef","run":)", kEnd = R"(,"result":)";
-  const std::size_t end = line.rfind(kEnd);
-  if (end != std::string_view::npos && end > kBegin.size()) {
-    const std::string_view run = line.substr(kBegin.size(), end - kBegin.size());
+  const std::size_t end = line.rfind(kEnd), begin = kBegin.size();
+  constexpr std::string_view kRun = R"(,"run":)";
+  const bool is_ours = line.size() > begin && line.starts_with(R"({"hash":")") &&
+                       line.substr(begin - kRun.size(), kRun.size()) == kRun;
+  if (is_ours && end != std::string_view::npos && end > begin) {
+    const std::string_view run = line.substr(begin, end - begin);
     if (Fnv1a().add(run).value() == expected) return expected;
   }
   const auto row =
