@@ -24,13 +24,21 @@ std::size_t known_count(std::size_t environments) {
   return at_least_one("environments", environments);
 }
 
+std::size_t known_workers(std::size_t workers) {
+  if (workers > kMaxWorkers) {
+    throw ConfigError(kVectorEnv, "workers", "at most " + std::to_string(kMaxWorkers),
+                      std::to_string(workers));
+  }
+  return at_least_one("workers", workers);
+}
+
 }  // namespace
 
 VectorEnv::VectorEnv(const EnvConfig& config, const Engine& engine, const VectorEnvOptions& options)
     : auto_reset_(options.auto_reset),
       environments_(known_count(options.environments)),
       slots_(options.environments),
-      pool_(at_least_one("workers", options.workers)) {
+      pool_(known_workers(options.workers)) {
   const auto model = EnvModel::make(config);
   // With fewer environments than threads there is nothing to share.
   const auto group = size() > workers() ? std::make_shared<WorldGroup>(workers()) : nullptr;
@@ -71,10 +79,7 @@ void VectorEnv::reset_some(std::span<const std::uint8_t> which, std::span<double
   });
 }
 
-void VectorEnv::end_episode(std::size_t i, bool terminated) {
-  edit(i).end_episode(terminated);
-  slots_[i].ended = true;
-}
+void VectorEnv::end_episode(std::size_t i, bool terminated) { edit(i).end_episode(terminated); }
 
 void VectorEnv::restore(std::size_t i, const QuadrupedEnv::Saved& saved) {
   edit(i).restore(saved);

@@ -76,7 +76,8 @@ class VectorEnv {
   /// @throws ConfigError as `reset` does, and before the first
   void reset_some(std::span<const std::uint8_t> which, std::span<double> observations);
 
-  /// Ends an episode after a step, as QuadrupedEnv::end_episode does.
+  /// Ends an episode between two steps, as QuadrupedEnv::end_episode does: the next step says so, without a
+  /// reward, and begins another one as after any end.
   void end_episode(std::size_t i, bool terminated);
   /// Continues one environment where `saved` was; its next episodes are those that they were.
   /// @throws ConfigError as QuadrupedEnv::restore does
