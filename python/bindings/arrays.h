@@ -15,6 +15,7 @@
 #include <nanobind/ndarray.h>
 
 #include "physics/core/error.h"
+#include "python/bindings/shown.h"
 
 namespace crossgait::python {
 
@@ -97,17 +98,20 @@ std::span<const double> doubles(const AnyArray& array, const std::array<std::siz
 }
 
 /// Returns whatever NumPy makes numbers of, as float64 in C order: arrays of any type, lists. @throws
-/// ConfigError for what is none
+/// ConfigError for what is none, complex numbers and dates among it
 inline nb::ndarray<const double, nb::c_contig, nb::device::cpu> numbers_of(const nb::object& values) {
   nb::ndarray<const double, nb::c_contig, nb::device::cpu> array;
   if (nb::try_cast(values, array, false)) return array;
   const nb::object numpy = nb::module_::import_("numpy");
   try {
-    return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(
-        numpy.attr("ascontiguousarray")(values, numpy.attr("float64")));
+    const nb::object found = numpy.attr("asarray")(values);
+    const bool is_real = nb::cast<std::string>(found.attr("dtype").attr("kind")).find_first_of("fiubO") == 0;
+    if (is_real)
+      return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(
+          numpy.attr("ascontiguousarray")(found, numpy.attr("float64")));
   } catch (const nb::python_error&) {
-    throw ConfigError("array", "values", "numbers", nb::repr(values).c_str());
   }
+  throw ConfigError("array", "values", "numbers", shown(values));
 }
 
 /// Returns numbers as a vector. @throws ConfigError naming `what` unless it has one dimension

@@ -19,6 +19,7 @@
 #include "python/bindings/busy.h"
 #include "python/bindings/not_made.h"
 #include "python/bindings/robot.h"
+#include "python/bindings/shown.h"
 
 namespace crossgait::python {
 
@@ -36,7 +37,7 @@ std::vector<std::size_t> chosen(const Batch& batch, const Indices& indices) {
   }
   throw ConfigError(Batch::kSource, "indices",
                     fmt::format("numbers from 0 to {}, a slice, or a mask of {}", all.size() - 1, all.size()),
-                    nb::repr(indices).c_str());
+                    shown(indices));
 }
 
 const void* identity_of(const Batch& batch) noexcept { return batch.owner; }
@@ -173,13 +174,16 @@ void apply_wrench(Batch& batch, const std::string& body, const nb::object& force
 nb::object jacobian(const Batch& batch, const std::string& body, const nb::object& point) {
   const RobotDescription& robot = *batch.at(0).model().robot;
   const int index = body_index(robot, body, kSource);
-  const Vector3 p_BP = point.is_none() ? robot.bodies[static_cast<std::size_t>(index)].inertia.p_BC
-                                       : Rows(point, 1, 3, "point").vector(0);
+  const Vector3 centre = robot.bodies[static_cast<std::size_t>(index)].inertia.p_BC;
+  const Rows points(point.is_none() ? nb::make_tuple(centre.x(), centre.y(), centre.z()) : point,
+                    batch.size(), 3, "point");
   const std::size_t columns = qvel_size(robot);
   const NewArray<double> made(batch.size(), 6 * columns);
   std::vector<Pose> poses;
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const PhysicsBackend& world = batch.at(i).world();
+    const Vector3 p_BP = points.vector(i);
+    if (!p_BP.allFinite()) throw ConfigError(kSource, "point", "finite numbers, m", "others");
     forward_kinematics(world.robot(), world.state(), poses);
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
         made.data + i * 6 * columns, 6, static_cast<Eigen::Index>(columns)) =
@@ -188,14 +192,23 @@ nb::object jacobian(const Batch& batch, const std::string& body, const nb::objec
   return made.array.attr("reshape")(batch.size(), 6, columns);
 }
 
-void end_episodes(Batch& batch, const AnyArray& terminated, const AnyArray& truncated) {
-  const bool* flags[2]{};
-  for (const auto& [array, at] : {std::pair{&terminated, 0}, std::pair{&truncated, 1}}) {
-    if (array->ndim() != 1 || array->size() != batch.size() || array->dtype() != nb::dtype<bool>())
-      throw ConfigError(kSource, "end_episodes", fmt::format("bool arrays of shape ({},)", batch.size()),
-                        "another");
-    flags[at] = static_cast<const bool*>(array->data());
+// Arrays of truth values, and whatever NumPy makes one of.
+using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+Flags flags_of(const nb::object& given, std::size_t size) {
+  try {
+    const Flags flags =
+        nb::cast<Flags>(nb::module_::import_("numpy").attr("ascontiguousarray")(given), false);
+    if (flags.size() == size) return flags;
+  } catch (const nb::python_error&) {
+  } catch (const nb::cast_error&) {
   }
+  throw ConfigError(kSource, "end_episodes", fmt::format("{} truth values", size), shown(given));
+}
+
+void end_episodes(Batch& batch, const nb::object& terminated, const nb::object& truncated) {
+  const Flags held[2] = {flags_of(terminated, batch.size()), flags_of(truncated, batch.size())};
+  const bool* const flags[2] = {held[0].data(), held[1].data()};
   for (std::size_t i = 0; i < batch.size(); ++i) {
     if (!flags[0][i] && !flags[1][i]) continue;
     if (batch.vector != nullptr) {
@@ -286,7 +299,9 @@ void bind_batch(nb::module_& m) {
   nb::class_<Batch> batch(
       m, "Batch",
       "All environments as arrays, a row each, and what changes them between steps. Arrays are read-only and "
-      "always the same ones: they show the present step, and the next one changes them; `.copy()` keeps one. "
+      "always the same ones. What is asked for shows the present step; one that is kept shows the step in "
+      "which "
+      "it was last asked for: ask again, or keep a `.copy()`. "
       "The "
       "core gathers an array when it is first asked for in a step; asking again, and parts of it, cost no "
       "copy.");
@@ -342,13 +357,16 @@ void bind_batch(nb::module_& m) {
       .def("jacobian", guarded(&jacobian), nb::arg("body"), nb::arg("point").none() = nb::none(),
            nb::sig("def jacobian(self, body: str, point: numpy.typing.ArrayLike | None = None) -> "
                    "numpy.typing.NDArray[numpy.float64]"),
-           "Of a point of a body (its frame, m; None: its centre of mass), in a new array (environments, 6, "
+           "Of a point of a body (its frame, m; None: its centre of mass), one for all or a row each, in a "
+           "new array (environments, 6, "
            "columns of "
            "`qvel`): velocity of the point and angular velocity of the body, both in W, are jacobian @ qvel.")
       .def("end_episodes", guarded(&end_episodes), nb::arg("terminated"), nb::arg("truncated"),
-           nb::sig("def end_episodes(self, terminated: numpy.typing.NDArray[numpy.bool_], truncated: "
-                   "numpy.typing.NDArray[numpy.bool_]) -> None"),
-           "Ends episodes, as an outcome or their time would. Raises ConfigError for one that has ended.")
+           nb::sig("def end_episodes(self, terminated: numpy.typing.ArrayLike, truncated: "
+                   "numpy.typing.ArrayLike) -> None"),
+           "Ends episodes, as an outcome or their time would: the next step says so. Raises ConfigError for "
+           "one that "
+           "has ended.")
       .def("__repr__",
            [](const Batch& b) { return fmt::format("<crossgait.Batch of {} environments>", b.size()); });
   m.def(

@@ -7,6 +7,7 @@
 #include "physics/engine/world_quantities.h"
 #include "physics/robot/contact_json.h"
 #include "python/bindings/arrays.h"
+#include "python/bindings/inputs.h"
 #include "python/bindings/json.h"
 
 namespace crossgait::python {
@@ -17,9 +18,9 @@ std::string change_text(const std::string& name, nb::handle value) {
   std::string text;
   if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) {
     for (const nb::handle number : value)
-      text += fmt::format("{}{}", text.empty() ? "" : ":", nb::str(number).c_str());
+      text += fmt::format("{}{}", text.empty() ? "" : ":", text_of(nb::str(number), Batch::kSource, name));
   } else {
-    text = nb::str(value).c_str();
+    text = text_of(nb::str(value), Batch::kSource, name);
   }
   return fmt::format("{}={}", name, text);
 }
@@ -40,7 +41,7 @@ void set_parameters(Batch& batch, const nb::dict& parameters, const Indices& ind
     std::vector<QuantityChange> changes(batch.at(which[k]).changes().begin(),
                                         batch.at(which[k]).changes().end());
     for (const auto& [key, given] : parameters) {
-      const std::string name = nb::cast<std::string>(key);
+      const std::string name = text_of(nb::str(key), Batch::kSource, "parameters");
       const WorldQuantity& quantity = find_world_quantity(name, Batch::kSource);
       std::erase_if(changes, [&](const QuantityChange& c) { return c.quantity == &quantity; });
       if (given.is_none()) continue;

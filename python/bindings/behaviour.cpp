@@ -10,6 +10,7 @@
 #include "physics/core/error.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/inputs.h"
+#include "python/bindings/shown.h"
 
 namespace crossgait::python {
 namespace {
@@ -25,12 +26,12 @@ Eigen::MatrixXd numbers(const nb::object& returned, const std::string& name, Eig
     const std::size_t second = array.ndim() == 2 ? array.shape(1) : 1;
     if (array.ndim() != (columns == 1 ? 1 : 2) || array.shape(0) != static_cast<std::size_t>(rows) ||
         second != static_cast<std::size_t>(columns))
-      throw ConfigError(name, "targets", expected, nb::repr(returned).c_str());
+      throw ConfigError(name, "targets", expected, shown(returned));
     values = Eigen::Map<const decltype(values)>(array.data(), rows, columns);
   } catch (const ConfigError&) {
-    throw ConfigError(name, "targets", expected, nb::repr(returned).c_str());
+    throw ConfigError(name, "targets", expected, shown(returned));
   }
-  if (!values.allFinite()) throw ConfigError(name, "targets", "finite numbers", nb::repr(returned).c_str());
+  if (!values.allFinite()) throw ConfigError(name, "targets", "finite numbers", shown(returned));
   return values;
 }
 
@@ -186,9 +187,8 @@ void bind_behaviour(nb::module_& m) {
       .def_ro("walk", &PythonController::walk)
       .def("__repr__", [](nb::handle self) {
         const auto& c = nb::cast<const PythonController&>(self);
-        return fmt::format("<crossgait.Controller '{}': {}, {}>", c.name,
-                           c.targets == Targets::kJoints ? "joints" : "feet",
-                           nb::repr(self.attr("walk")).c_str());
+        return fmt::format("<crossgait.Controller {}: {}, {}>", quoted(c.name),
+                           c.targets == Targets::kJoints ? "joints" : "feet", shown(self.attr("walk")));
       });
 }
 

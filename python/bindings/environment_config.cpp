@@ -14,6 +14,7 @@
 #include "python/bindings/inputs.h"
 #include "python/bindings/json.h"
 #include "python/bindings/robot.h"
+#include "python/bindings/shown.h"
 #include "python/bindings/terms.h"
 
 namespace crossgait::python {
@@ -22,6 +23,14 @@ namespace {
 constexpr int kMostLevels = 32;  // as files of environments have
 
 std::string json_text(nb::handle value, int level = 0);
+
+// A list may hold another many times, and that one a third.
+std::string bounded(std::string text) {
+  constexpr std::size_t kMost = std::size_t{4} << 20U;  // bytes, of 100,000 values at most
+  if (text.size() > kMost)
+    throw ConfigError("environment", "keys", fmt::format("at most {} bytes as text", kMost), "more");
+  return text;
+}
 
 // Python's have as many digits as they like.
 std::string whole_number(nb::handle value) {
@@ -50,13 +59,17 @@ std::string mapping_text(nb::handle mapping, int level) {
     text += text.empty() ? "" : ", ";
     const std::string name = text_of(nb::str(key), "environment", "key");
     text += nlohmann::json(name).dump() + ": " + value_text(name, value, level);
+    text = bounded(std::move(text));
   }
   return "{" + text + "}";
 }
 
 std::string list_text(nb::handle list, int level) {
   std::string text;
-  for (const nb::handle item : list) text += (text.empty() ? "" : ", ") + json_text(item, level);
+  for (const nb::handle item : list) {
+    text += (text.empty() ? "" : ", ") + json_text(item, level);
+    text = bounded(std::move(text));
+  }
   return "[" + text + "]";
 }
 
@@ -89,8 +102,7 @@ std::string json_text(nb::handle value, int level) {
     return nlohmann::json(engine_name_of(value, "environment")).dump();
   if (nb::hasattr(value, "tolist")) return json_text(as_written(value).attr("tolist")(), level + 1);
   if (nb::hasattr(value, "__fspath__")) return json_text(value.attr("__fspath__")(), level + 1);
-  throw ConfigError("config", nb::repr(value).c_str(), "numbers, text, lists and mappings",
-                    type_called(value));
+  throw ConfigError("config", shown(value), "numbers, text, lists and mappings", type_called(value));
 }
 
 // Keywords that say something: None leaves a key as it is.

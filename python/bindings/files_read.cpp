@@ -1,8 +1,10 @@
 // Files as the core has them: which it read, who writes one, what killed writers left.
 #include "physics/core/files_read.h"
 
+#include <filesystem>
 #include <memory>
 
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -34,9 +36,13 @@ void bind_files_read(nb::module_& m) {
       .def(nb::init<>())
       .def("paths", &paths_of, "Those so far, each once.")
       .def("close", [](OpenFilesRead& self) { self.files.reset(); });
-  m.def("_writer_of", &writer_of, nb::arg("path"), "Who holds the lock of a regular file, in words.");
-  m.def("_remove_left_over", &remove_left_over, nb::arg("folder"),
-        "Removes temporaries whose writers are gone, of the core and of the package.");
+  using std::filesystem::path;  // whose names need be no text
+  m.def(
+      "_writer_of", [](const path& file) { return writer_of(file.string()); }, nb::arg("path"),
+      "Who holds the lock of a regular file, in words.");
+  m.def(
+      "_remove_left_over", [](const path& folder) { remove_left_over(folder.string()); }, nb::arg("folder"),
+      "Removes temporaries whose writers are gone, of the core and of the package.");
 }
 
 }  // namespace crossgait::python

@@ -15,6 +15,7 @@
 #include "physics/core/error.h"
 #include "physics/core/hash.h"
 #include "physics/core/utf8.h"
+#include "python/bindings/shown.h"
 
 namespace crossgait::python {
 namespace {
@@ -31,7 +32,7 @@ std::optional<std::string> path_text(nb::handle value) {
     return std::string(nb::borrow<nb::bytes>(bytes).c_str(), nb::len(bytes));
   } catch (nb::python_error& error) {
     if (!error.matches(PyExc_UnicodeError)) throw;
-    throw ConfigError("input", "name", "a name that a file can have", nb::repr(value).c_str());
+    throw ConfigError("input", "name", "a name that a file can have", shown(value));
   }
 }
 
@@ -99,7 +100,7 @@ std::string text_of(nb::handle text, const std::string& source, const std::strin
   const char* bytes = PyUnicode_AsUTF8AndSize(text.ptr(), &size);
   if (bytes != nullptr) return {bytes, static_cast<std::size_t>(size)};
   PyErr_Clear();
-  throw ConfigError(source, element, "text that UTF-8 has bytes for", nb::repr(text).c_str());
+  throw ConfigError(source, element, "text that UTF-8 has bytes for", shown(text));
 }
 
 std::string type_called(nb::handle value) { return nb::cast<std::string>(value.type().attr("__name__")); }

@@ -4,6 +4,8 @@
 
 #include "physics/core/consent.h"
 #include "physics/core/python_program.h"
+#include "physics/core/schema.h"
+#include "physics/core/worker_pool.h"
 #include "python/bindings/bindings.h"
 #include "study/version.h"
 
@@ -65,6 +67,8 @@ NB_MODULE(crossgait_core, m) {
         "Trust the files of a folder in this process and those that it begins.");
   m.def("trusted_folders", &crossgait::trusted_folders, "Folders whose files may run code, apart by colons.");
   m.attr("TRUST_VARIABLE") = crossgait::kTrustVariable;
+  m.attr("MOST_WORKERS") = crossgait::kMaxWorkers;
+  m.attr("SCHEMA_VERSION") = crossgait::schema("walk").at("version").get<std::string>();
   bind_errors(m);
   bind_engines(m);
   bind_robot(m);

@@ -10,6 +10,7 @@
 #include "policy/mlp_policy.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/inputs.h"
+#include "python/bindings/shown.h"
 
 namespace crossgait::python {
 namespace {
@@ -50,8 +51,7 @@ class FunctionPolicy final : public Policy {
       const nb::object returned = act_->get()(seen.array);
       const auto numbers = numbers_of(returned);
       if (numbers.ndim() != 1 || numbers.size() != action.size())
-        throw ConfigError(name(), "action", fmt::format("{} numbers", action.size()),
-                          nb::repr(returned).c_str());
+        throw ConfigError(name(), "action", fmt::format("{} numbers", action.size()), shown(returned));
       std::copy_n(numbers.data(), action.size(), action.begin());
     });
   }
@@ -110,7 +110,7 @@ void bind_python_policy(nb::module_& m) {
           "to their bounds; what is not finite counts as zero.")
       .def_ro("name", &PythonPolicy::name)
       .def("__repr__",
-           [](const PythonPolicy& p) { return fmt::format("<crossgait.FunctionPolicy '{}'>", p.name); })
+           [](const PythonPolicy& p) { return fmt::format("<crossgait.FunctionPolicy {}>", quoted(p.name)); })
       .def("__reduce__", [](nb::handle self) {
         const auto& policy = nb::cast<const PythonPolicy&>(self);
         return nb::make_tuple(self.type(), nb::make_tuple(policy.make.get(), policy.name));

@@ -79,8 +79,9 @@ class PythonExtension final : public EnvExtension {
   void begin(QuadrupedEnv& env, std::uint64_t seed) override {
     const nb::gil_scoped_acquire acquire;
     ++revision_;
-    if (batch_ == nullptr) {
+    if (batch_ == nullptr)
       batch_ = std::make_unique<Held>(nb::cast(Batch{this, &revision_, nullptr, &env, &revision_}));
+    if (terms_ == nullptr) {  // which Python may have interrupted
       terms_ = std::make_unique<Held>(make_->get()(batch_->get()));
     }
     std::fill(values_.begin(), values_.end(), 0.0);

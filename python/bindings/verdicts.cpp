@@ -57,6 +57,12 @@ Report report_of(const EngineComparison& judged, const Json& made) {
   return {json, describe(judged)};
 }
 
+void refuse_stored_runs(const JudgeOptions& options) {
+  if (!options.stored_runs.empty())
+    throw ConfigError("verdict", "runs", "none: what is in no file has no identity to be found by",
+                      options.stored_runs);
+}
+
 Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines, const JudgeCall& call,
            const nb::object& progress) {
   return to_python(run_job(
@@ -67,12 +73,6 @@ Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines, c
                          provenance(loaded.described, engines));
       },
       progress));
-}
-
-void refuse_stored_runs(const JudgeOptions& options) {
-  if (!options.stored_runs.empty())
-    throw ConfigError("verdict", "runs", "none: what is in no file has no identity to be found by",
-                      options.stored_runs);
 }
 
 Pair judge(const PythonController& behaviour, const StartRanges& starts_from, std::uint64_t seed,
@@ -171,6 +171,7 @@ void bind_verdicts(nb::module_& m) {
          const StartRanges& starts_from, std::uint64_t seed, const HowToJudge& how,
          const nb::object& progress) {
         const JudgeCall call = judge_call(how);
+        if (environment.extension != nullptr) refuse_stored_runs(call.options);  // terms are functions
         if (const auto* text = std::get_if<std::string>(&policy))
           return judge({PolicyConfig{environment, *text}, starts_from, seed}, engines, call, progress);
         return judge(environment, policy, starts_from, seed, engines, call, progress);

@@ -82,13 +82,17 @@ int body_of(const PhysicsBackend& world, const std::variant<int, std::string>& b
   if (const auto* name = std::get_if<std::string>(&body)) return body_index(world.robot(), *name, "world");
   const int index = std::get<int>(body);
   if (index < 0 || index > world.robot().joint_count())
-    throw nb::index_error(("body " + std::to_string(index)).c_str());
+    throw nb::index_error(
+        ("body " + std::to_string(index) + ": expected 0 to " + std::to_string(world.robot().joint_count()))
+            .c_str());
   return index;
 }
 
 Vector3 point_of(const PhysicsBackend& world, int body, const nb::object& point) {
-  return point.is_none() ? world.robot().bodies[static_cast<std::size_t>(body)].inertia.p_BC
-                         : vector3(point, "point");
+  const Vector3 p_BP = point.is_none() ? world.robot().bodies[static_cast<std::size_t>(body)].inertia.p_BC
+                                       : vector3(point, "point");
+  if (!p_BP.allFinite()) throw ConfigError("world", "point", "finite numbers, m", "others");
+  return p_BP;
 }
 
 void apply_wrench(PhysicsBackend& world, const std::variant<int, std::string>& body, const nb::object& force,
@@ -151,11 +155,17 @@ void restore(PhysicsBackend& world, const WorldSnapshot& snapshot) {
 }
 
 // What `write` puts down, as an array of its own.
+// A copy, whose numbers cannot be set: nobody is to believe that they act.
+nb::object read_only(nb::object array) {
+  array.attr("setflags")(nb::arg("write") = false);
+  return array;
+}
+
 nb::object numbers_of_state(std::size_t size, const RobotState& state,
                             void (*write)(const RobotState&, double*)) {
   const NewArray<double> made(size);
   write(state, made.data);
-  return made.array;
+  return read_only(made.array);
 }
 
 // Sizes the joints by what is given.
@@ -188,12 +198,30 @@ std::vector<Eigen::Matrix4d> body_poses(const RobotLike& chosen, const RobotStat
   return poses(*robot.description, state);
 }
 
+// A vector of the state's own, whose elements can be set; it is set as a whole by whatever is three numbers.
+void bind_vector(nb::class_<RobotState>& c, const char* name, Vector3 RobotState::*member, const char* getter,
+                 const char* setter, const char* help) {
+  c.def_prop_rw(
+      name, [member](RobotState& s) -> Vector3& { return s.*member; },
+      [member, name](RobotState& s, const nb::object& given) { s.*member = vector3(given, name); },
+      nb::for_getter(nb::rv_policy::reference_internal), nb::for_getter(nb::sig(getter)),
+      nb::for_setter(nb::sig(setter)), help);
+}
+
 void bind_state(nb::module_& m) {
-  nb::class_<RobotState>(
+  nb::class_<RobotState> state(
       m, "State",
       "Configuration and velocity of a robot: a value, which no step changes. World frame W: z up; "
-      "base frame B at the base link's origin.")
-      .def(nb::init<>())
+      "base frame B at the base link's origin.");
+  bind_vector(state, "p_WB", &RobotState::p_WB, "def p_WB(self) -> numpy.typing.NDArray[numpy.float64]",
+              "def p_WB(self, p_WB: numpy.typing.ArrayLike, /) -> None", "Position of the base, m.");
+  bind_vector(state, "v_WB", &RobotState::v_WB, "def v_WB(self) -> numpy.typing.NDArray[numpy.float64]",
+              "def v_WB(self, v_WB: numpy.typing.ArrayLike, /) -> None",
+              "Velocity of the base's origin, m/s.");
+  bind_vector(state, "w_WB", &RobotState::w_WB, "def w_WB(self) -> numpy.typing.NDArray[numpy.float64]",
+              "def w_WB(self, w_WB: numpy.typing.ArrayLike, /) -> None",
+              "Angular velocity of the base in W, rad/s.");
+  state.def(nb::init<>())
       .def("__copy__", [](const RobotState& s) { return RobotState(s); })
       .def("__deepcopy__", [](const RobotState& s, nb::handle) { return RobotState(s); })
       .def("__getstate__",
@@ -216,20 +244,28 @@ void bind_state(nb::module_& m) {
       .def_rw("time", &RobotState::time,
               "Simulated seconds since the world was reset: of an environment the settling before its "
               "episode counts, which `info['time']` leaves out.")
-      .def_rw("p_WB", &RobotState::p_WB, "Position of the base, m.")
       .def_prop_rw(
-          "q_WB", [](const RobotState& s) { return wxyz(s.q_WB); },
-          [](RobotState& s, const Eigen::Vector4d& q) { s.q_WB = Quaternion(q[0], q[1], q[2], q[3]); },
-          "Orientation of the base, unit quaternion w, x, y, z.")
-      .def_rw("v_WB", &RobotState::v_WB, "Velocity of the base's origin, m/s.")
-      .def_rw("w_WB", &RobotState::w_WB, "Angular velocity of the base in W, rad/s.")
+          "q_WB", [](const RobotState& s) { return read_only(nb::cast(wxyz(s.q_WB))); },
+          [](RobotState& s, const nb::object& given) {
+            const auto q = numbers_of(given);
+            if (q.size() != 4) throw ConfigError("world", "q_WB", "4 numbers", std::to_string(q.size()));
+            s.q_WB = Quaternion(q.data()[0], q.data()[1], q.data()[2], q.data()[3]);
+          },
+          nb::for_getter(nb::sig("def q_WB(self) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def q_WB(self, q_WB: numpy.typing.ArrayLike, /) -> None")),
+          "Orientation of the base, unit quaternion w, x, y, z: read-only, to be set as a whole.")
       .def_prop_rw(
-          "q", [](const RobotState& s) { return Eigen::VectorXd(s.q); },
-          [](RobotState& s, const nb::object& q) { s.q = joint_vector(q, "q"); }, "Joint angles, rad.")
+          "q", [](const RobotState& s) { return read_only(nb::cast(Eigen::VectorXd(s.q))); },
+          [](RobotState& s, const nb::object& q) { s.q = joint_vector(q, "q"); },
+          nb::for_getter(nb::sig("def q(self) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def q(self, q: numpy.typing.ArrayLike, /) -> None")),
+          "Joint angles, rad: read-only, to be set as a whole.")
       .def_prop_rw(
-          "qd", [](const RobotState& s) { return Eigen::VectorXd(s.qd); },
+          "qd", [](const RobotState& s) { return read_only(nb::cast(Eigen::VectorXd(s.qd))); },
           [](RobotState& s, const nb::object& qd) { s.qd = joint_vector(qd, "qd"); },
-          "Joint velocities, rad/s.")
+          nb::for_getter(nb::sig("def qd(self) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def qd(self, qd: numpy.typing.ArrayLike, /) -> None")),
+          "Joint velocities, rad/s: read-only, to be set as a whole.")
       .def_prop_rw(
           "qpos",
           [](const RobotState& s) {
@@ -240,7 +276,8 @@ void bind_state(nb::module_& m) {
           },
           nb::for_getter(nb::sig("def qpos(self) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def qpos(self, qpos: numpy.typing.ArrayLike, /) -> None")),
-          "p_WB, q_WB (w, x, y, z) and q in one array of its own: m, -, rad. MuJoCo's order, but for the "
+          "p_WB, q_WB (w, x, y, z) and q in one array, read-only, to be set as a whole: m, -, rad. MuJoCo's "
+          "order, but for the "
           "joints', "
           "which is `Robot.joints`.")
       .def_prop_rw(
@@ -253,7 +290,8 @@ void bind_state(nb::module_& m) {
           },
           nb::for_getter(nb::sig("def qvel(self) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def qvel(self, qvel: numpy.typing.ArrayLike, /) -> None")),
-          "v_WB, w_WB and qd in one array of its own: m/s, rad/s. The angular velocity is in W; MuJoCo's "
+          "v_WB, w_WB and qd in one array, read-only, to be set as a whole: m/s, rad/s. The angular velocity "
+          "is in W; MuJoCo's "
           "free joint "
           "has it in the base's frame.")
       .def_prop_ro(
@@ -287,10 +325,11 @@ void bind_world(nb::module_& m) {
            "`--contact` does, e.g. impratio=100; times in s, gravity in m/s^2. Raises ConfigError.")
       .def_prop_ro("engine", guarded([](const PhysicsBackend& w) { return w.info().name; }))
       .def_prop_ro("physics_dt", guarded([](const PhysicsBackend& w) { return w.spec().physics_dt; }), "s.")
-      .def("reset", guarded([](PhysicsBackend& w) { w.reset(); }),
-           "Into the home pose, over the world's origin.")
-      .def("reset", guarded([](PhysicsBackend& w, const RobotState& state) { w.reset(state); }),
-           nb::arg("state"), "Into this state. Raises ConfigError.")
+      .def("reset", guarded([](PhysicsBackend& w, const std::optional<RobotState>& state) {
+             state ? w.reset(*state) : w.reset();
+           }),
+           nb::arg("state") = nb::none(),
+           "Into this state; None is the home pose, over the world's origin. Raises ConfigError.")
       .def("step", guarded(&step), nb::arg("targets"), nb::arg("substeps") = 1,
            "Advances by physics steps, servos holding `targets` (rad, in the order of `Robot.servos`). "
            "Returns \"ok\", or "

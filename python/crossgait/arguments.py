@@ -43,6 +43,18 @@ def _check_values(name: str, given: Mapping[str, Any]) -> None:
                 raise ConfigError(name, key, f"{least} to {most}", found)
 
 
+def _of_python(value: Any, levels: int = 2) -> Any:
+    """NumPy's numbers as Python's, those of fewer digits as they were written: 0.7 of float32 is 0.7."""
+    if levels > 0 and type(value) is dict:
+        return {key: _of_python(one, levels - 1) for key, one in value.items()}
+    if levels > 0 and type(value) in (list, tuple):
+        return type(value)(_of_python(one, levels - 1) for one in value)
+    kind = getattr(getattr(value, "dtype", None), "kind", "")
+    if getattr(value, "ndim", 1) != 0 or kind not in ("f", "i", "u", "b"):
+        return value
+    return float(str(value)) if kind == "f" and value.dtype.itemsize < 8 else value.item()
+
+
 def checking_arguments(study: Callable[P, R]) -> Callable[P, R]:
     """Return the function, whose TypeErrors name the nearest keyword that it has, or what an argument should be.
 
@@ -56,15 +68,18 @@ def checking_arguments(study: Callable[P, R]) -> Callable[P, R]:
     def call(*arguments: P.args, **keywords: P.kwargs) -> R:
         for key in keywords:
             if key not in known:
-                refuse(name, [key], known)
+                refuse(name, [key], [each for each in known if each != "self"])
         try:
-            given = signature.bind(*arguments, **keywords).arguments
+            bound = signature.bind(*arguments, **keywords)
         except TypeError as error:  # which says what there is too much or too little of, but not where
             raise TypeError(f"{name}(): {error}") from None
+        for key, value in bound.arguments.items():
+            bound.arguments[key] = _of_python(value)
+        given = bound.arguments
         check_types(name, given, known)
         _check_values(name, given)
         with noting_reads() as read:
-            result = study(*arguments, **keywords)
+            result = study(*bound.args, **bound.kwargs)
         if hasattr(result, "note_inputs"):
             result.note_inputs(read)
         return result

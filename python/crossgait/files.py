@@ -41,6 +41,8 @@ def check_outputs(outputs: Iterable[Named], inputs: Iterable[Named] = ()) -> Non
     written = [(option, path) for option, path in written if path != "-" and _is_replaced(path)]
     for i, (option, path) in enumerate(written):
         from_root(path)
+        if _is_standard_output(path):
+            raise ConfigError("command line", option, "a file of its own", f'"{path}", where standard output goes')
         for other, another in written[:i]:
             if _is_same(path, another):
                 raise ConfigError("command line", option, "a file of its own", f'"{path}" again, of {other}')
@@ -57,13 +59,26 @@ def _is_replaced(path: str) -> bool:
     return not os.path.exists(path) or os.path.isfile(path)
 
 
+def _check_name(path: str | os.PathLike[str]) -> None:
+    if b"\0" in os.fsencode(path):  # where the system would take the name to end
+        raise ConfigError(os.fspath(path), "file", "a name without a byte of zero", "one in it")
+
+
 def from_root(path: str | os.PathLike[str]) -> str:
     """A path from the root. Raises ConfigError where the current folder, from which it is, was removed."""
+    _check_name(path)
     try:
         return os.path.join("" if os.path.isabs(path) else os.getcwd(), os.fspath(path))
     except FileNotFoundError as error:
         expected, found = "a current folder that is there", "one that was removed"
         raise ConfigError(os.fspath(path), "file", expected, found) from error
+
+
+def _is_standard_output(path: str) -> bool:
+    try:
+        return os.path.samestat(os.stat(path), os.fstat(1))
+    except OSError:  # it is not there, or standard output is closed
+        return False
 
 
 def _is_same(path: str, other: str) -> bool:
@@ -134,6 +149,9 @@ def _beside(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), os.fspath(path))
     _core._remove_left_over(os.fspath(target.parent))
     # A folder, so that the file is made by whoever writes it, with the permissions of any other file.
+    if not target.parent.is_dir():
+        expected = "a place that can be written"
+        raise ConfigError(os.fspath(path), "output file", expected, f"no folder {target.parent}")
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".crossgait-", suffix=".tmp") as folder:
         held = _hold(folder)
         try:
@@ -237,6 +255,7 @@ def locked_folder(folder: Path, expected: str = "one writer at a time", by: str 
 def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """A regular file to read. Folders, devices and pipes, which may never end, are refused. Raises ConfigError."""
     source = os.fspath(path)
+    _check_name(path)
     try:
         # Not waiting for somebody to write to a pipe.
         file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)

@@ -91,13 +91,14 @@ class VecEnv(NotCopyable, IVecEnv):  # type: ignore[misc]  # untyped
 
     def step(self, actions: torch.Tensor) -> tuple[Seen, torch.Tensor, torch.Tensor, dict[str, Any]]:
         """One policy step everywhere: observations, rewards, dones, infos (`time_outs`)."""
+        self.vector.check_open()
         numbers = np.ascontiguousarray(actions.detach().cpu().numpy())
         observations, rewards, terminated, truncated, _ = self.vector.core.step(numbers)
         infos = {"time_outs": self._tensor(truncated)}
         return self._seen(observations), self._tensor(rewards), self._tensor(terminated | truncated), infos
 
     def close(self) -> None:
-        """Close the renderer."""
+        """Close the renderer; `step` raises ClosedEnvironmentError afterwards."""
         self.vector.close()
 
     def _seen(self, observations: npt.NDArray[Any]) -> Seen:

@@ -110,6 +110,7 @@ class VecEnv(NotCopyable, RslVecEnv):  # type: ignore[misc]  # untyped
 
     def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict[str, Any]]:
         """One policy step everywhere: observations, rewards, dones, extras (`time_outs`, and `log` of mean rewards)."""
+        self.vector.check_open()
         numbers = actions.detach().cpu().numpy()
         seen, rewards, terminated, truncated, _ = self._core.step(np.ascontiguousarray(numbers))
         self.episode_length_buf += 1
@@ -124,7 +125,7 @@ class VecEnv(NotCopyable, RslVecEnv):  # type: ignore[misc]  # untyped
         return self._observations, self._tensor(rewards), dones.long(), extras
 
     def close(self) -> None:
-        """Close the renderer."""
+        """Close the renderer; `step` raises ClosedEnvironmentError afterwards."""
         self.vector.close()
 
 

@@ -109,6 +109,7 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
 
     def step_wait(self) -> VecEnvStepReturn:
         """One policy step everywhere: observations, rewards, dones, infos."""
+        self.vector.check_open()
         core = self.vector.core
         begin = time.perf_counter()
         observations, rewards, terminated, truncated, final = core.step(np.asarray(self._actions))
@@ -124,7 +125,7 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
         return observations.astype(np.float32), rewards.astype(np.float32), dones, infos
 
     def close(self) -> None:
-        """Close the renderer."""
+        """Close the renderer; `step` raises ClosedEnvironmentError afterwards."""
         self.vector.close()
 
     def get_images(self) -> Sequence[npt.NDArray[np.uint8] | None]:

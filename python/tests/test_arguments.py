@@ -19,6 +19,7 @@ import pytest
 import crossgait
 from crossgait import ConfigError, EnvironmentConfig, FunctionPolicy, State, Walk, _core, terms
 from crossgait.policies import MlpNetwork
+from crossgait.sweep import ProcessPool
 
 NANOBIND = "incompatible function arguments"
 
@@ -49,7 +50,7 @@ def world() -> Any:
         (lambda: FunctionPolicy(3), r"FunctionPolicy\(\): make: expected Callable\[.*found int 3"),
         (lambda: crossgait.Robot.load(3), r"load\(\): name_or_file: expected str \| PathLike.*found int 3"),
         (lambda: world().step(np.zeros(12), "a"), r"step\(\): substeps: expected int, found str 'a'"),
-        (lambda: world().reset(3), r"reset\(\): state: expected State, found int 3"),
+        (lambda: world().reset(3), r"reset\(\): state: expected State \| None, found int 3"),
         (lambda: setattr(State(), "time", "x"), r"^expected float, found str 'x'"),
         (lambda: MlpNetwork(3), r"MlpNetwork\(\): layers: expected Sequence\[.*found int 3"),
         (lambda: crossgait.available_engines(3), r"available_engines\(\): expected no arguments .*, found 1"),
@@ -431,3 +432,89 @@ def test_a_file_that_is_replaced_keeps_who_may_read_it(tmp_path: Path) -> None:
     file.chmod(0o600)
     walked.save(file)
     assert file.stat().st_mode & 0o777 == 0o600
+
+
+class Unsayable:
+    """No number, and `repr` says what UTF-8 has no bytes for."""
+
+    def __array__(self, *_: Any, **__: Any) -> Any:
+        raise ValueError
+
+    def __repr__(self) -> str:
+        return "\udcff"
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: crossgait.World("scara_quadruped").step(Unsayable()),
+        lambda: EnvironmentConfig(episode_seconds=Unsayable()),
+        lambda: crossgait.rollout(FunctionPolicy(lambda: lambda _: Unsayable()), {"episode_seconds": 0.1}),
+        lambda: crossgait.walk(crossgait.Controller(lambda: lambda _: Unsayable(), Walk(seconds=0.1))),
+        lambda: begun().set_parameters({"friction": "\udcff"}),
+        lambda: begun().set_parameters({"solref": ["\udcff", 1]}),
+        lambda: begun().set_parameters({"\udcff": 1}),
+        lambda: begun().set_parameters({"friction": "0.5\0x"}),
+        lambda: crossgait.World("scara_quadruped").step([10**5000] * 12),
+        lambda: crossgait.World("scara_quadruped").step(np.ones(12) * 1j),
+        lambda: begun().jacobian("trunk", [np.nan, 0, 0]),
+        lambda: crossgait.World("scara_quadruped").jacobian("trunk", [np.nan, 0, 0]),
+        lambda: EnvironmentConfig(keys=shared_lists(9)),
+        lambda: crossgait.trust("/tmp\0harmless"),
+        lambda: crossgait.verdict("trot", starts=4, seconds=0.05, runs="store\0.jsonl"),
+        lambda: crossgait.Result.load("walk.json\0"),
+        lambda: crossgait.walk(seconds=0.1).save("walk.json\0"),
+    ],
+)
+def test_what_cannot_be_said_or_meant_is_refused(call: Callable[[], Any]) -> None:
+    """What ended the process, was taken up to a byte of zero, or filled the memory."""
+    with pytest.raises(ConfigError):
+        call()
+
+
+def begun() -> crossgait.Batch:
+    core = _core.Environment(EnvironmentConfig())
+    core.reset(0)
+    return core.batch()
+
+
+def shared_lists(levels: int) -> list[Any]:
+    made: list[Any] = [1]
+    for _ in range(levels):
+        made = [made] * 10
+    return made
+
+
+def test_elements_of_a_state_act_or_are_refused() -> None:
+    world = crossgait.World("serial_quadruped")
+    state = world.state
+    for array in (state.q, state.qd, state.qpos, state.qvel, state.q_WB):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    state.p_WB[2] = 2
+    state.v_WB = [0, 0, 1]
+    assert state.qpos[2] == 2
+    assert state.qvel[2] == 1
+    with pytest.raises(ConfigError, match="v_WB: expected 3 numbers"):
+        state.v_WB = [1, 2]
+    world.reset(state)
+    assert world.state.p_WB[2] == 2
+    world.reset(None)
+    assert world.state.p_WB[2] < 1
+
+
+def test_numbers_of_numpy_are_those_that_were_written() -> None:
+    single = crossgait.walk("trot", seconds=0.2, friction=np.float32(0.7), command=[np.float32(0.1), 0, 0])
+    assert single == crossgait.walk("trot", seconds=0.2, friction=0.7, command=[0.1, 0, 0])
+    judged = crossgait.verdict("trot", seconds=0.1, starts=4, engines="mujoco", against={"kp": np.int64(30)})
+    assert judged.word
+
+
+def test_threads_have_a_most(tmp_path: Path) -> None:
+    for call in (
+        lambda: crossgait.rollout("zero", workers=3000),
+        lambda: _core.VectorEnvironment(EnvironmentConfig(), 2, workers=10**6),
+        lambda: ProcessPool(100_000),
+    ):
+        with pytest.raises(ConfigError, match=r"workers: expected .*1024"):
+            call()

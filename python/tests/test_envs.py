@@ -13,11 +13,13 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers import ClipAction, NormalizeObservation, RecordEpisodeStatistics, TimeLimit
 from stable_baselines3.common.env_checker import check_env as sb3_check_env
 
 import crossgait.envs
 from crossgait import ConfigError, EnvironmentConfig, _core
+from crossgait.sb3 import CrossgaitVecEnv
 
 GAIT, JOINTS = "Crossgait/AdaptiveGait-v0", "Crossgait/JointControl-v0"
 IDS = (GAIT, JOINTS)
@@ -429,3 +431,35 @@ def test_environments_say_what_they_are() -> None:
 def test_what_environments_share_is_none(shared):
     with pytest.raises(TypeError, match="make an AdaptiveGait or a JointControl environment"):
         shared(*([2] if "Vector" in shared.__name__ else []))
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP])
+def test_an_episode_that_is_ended_between_steps_is_told_once(mode: AutoresetMode) -> None:
+    vector = gymnasium.make_vec(
+        "Crossgait/JointControl-v0", num_envs=2, config={"robot": "serial_quadruped"}, autoreset_mode=mode
+    )
+    vector.reset(seed=0)
+    still = np.zeros((2, 12))
+    vector.step(still)
+    vector.unwrapped.batch.end_episodes([True, False], [False, False])
+    told = [vector.step(still) for _ in range(4)]
+    assert [step[2].tolist() for step in told] == [[True, False], [False, False], [False, False], [False, False]]
+    assert told[0][1][0] == 0
+    vector.close()
+
+
+@pytest.mark.parametrize("action", ["x", {}, [10**5000] * 12, [[1], [1, 2]], np.zeros(12, object), np.zeros(12) * 1j])
+def test_actions_are_real_numbers(action: Any) -> None:
+    environment = gymnasium.make("Crossgait/JointControl-v0", config={"robot": "serial_quadruped"}).unwrapped
+    environment.reset(seed=0)
+    with pytest.raises(ConfigError, match="action: expected an array of real numbers"):
+        environment.step(action)
+    environment.step(np.zeros(12, int))
+
+
+def test_what_steps_a_closed_vector_says_so() -> None:
+    closed = CrossgaitVecEnv(num_envs=2)
+    closed.reset()
+    closed.close()
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+        closed.step(np.zeros((2, 16)))

@@ -196,6 +196,40 @@ def test_results_are_read_again_and_compared(tmp_path: Path) -> None:
         read.save(tmp_path / "rollout.json")
 
 
+def test_results_that_are_equal_have_one_hash() -> None:
+    walked = crossgait.walk("trot", seconds=0.1)
+    other = crossgait.WalkResult({**walked.to_dict(), "lateral_m": -0.0}, "")
+    same = crossgait.WalkResult({**walked.to_dict(), "lateral_m": 0}, "")
+    assert other == same
+    assert hash(other) == hash(same)
+
+
+def test_a_class_of_ones_own_leaves_results_as_they_are(tmp_path: Path) -> None:
+    class Mine(crossgait.WalkResult):
+        def __init__(self, document: dict[str, typing.Any]) -> None:
+            super().__init__(document, "mine")
+
+    crossgait.walk("trot", seconds=0.1).save(tmp_path / "walk.json")
+    assert type(crossgait.Result.load(tmp_path / "walk.json")) is crossgait.WalkResult
+    assert Mine({"summary": "a"}).text == "mine"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"summary": 3},
+        {"provenance": 3},
+        {"provenance": {"files": [3]}},
+        {"schema": {"name": "walk", "version": 999}},
+    ],
+)
+def test_documents_that_break_later_are_refused(change: dict[str, typing.Any], tmp_path: Path) -> None:
+    document = crossgait.walk("trot", seconds=0.1).to_dict() | change
+    (tmp_path / "walk.json").write_text(json.dumps(document))
+    with pytest.raises(ConfigError):
+        crossgait.Result.load(tmp_path / "walk.json")
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -203,7 +237,7 @@ def test_results_are_read_again_and_compared(tmp_path: Path) -> None:
         ('{"schema": {"name": ["walk"]}}', "schema.name: expected a result of walk"),
         ('{"schema": 3}', "schema.name: expected a result of walk, found None"),
         (
-            '{"schema": {"name": "walk"}}',
+            '{"schema": {"name": "walk", "version": "draft"}}',
             r"expected what a result of walk has \(docs/schemas/walk.json\), found KeyErr",
         ),
         ('{"schema": 1, "schema": 2}', "schema: expected each key once in an object, found twice"),

@@ -458,3 +458,24 @@ def test_axes_of_a_study_are_columns_to_group_by(tmp_path: Path) -> None:
     assert len(load(rows)) == len(table) + 1
     for column in table.columns:
         table.groupby(column).size()  # nothing in it that cannot be grouped
+
+
+def test_what_a_run_holds_is_not_taken_for_the_rows_own(serial: list[bytes], tmp_path: Path) -> None:
+    row = {"hash": "0123456789abcdef", "run": {"hash": 1, "error": "none really"}, "error": "crashed"}
+    (tmp_path / "rows.jsonl").write_text(json.dumps(row) + "\n")
+    table = load(tmp_path / "rows.jsonl")
+    assert table.loc["0123456789abcdef", "error"] == "crashed"
+    renamed = serial[0].replace(b',"run":{', b',"xun":{', 1)
+    (tmp_path / "rows.jsonl").write_bytes(renamed)
+    with pytest.raises(ConfigError, match="that of a run, found no run"):
+        load(tmp_path / "rows.jsonl")
+
+
+def test_options_of_the_command_are_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(study_file(tmp_path, SHORT))
+    for workers in ("0", "a", "1e9", "100000"):
+        with pytest.raises(SystemExit):
+            main([path, "--workers", workers])
+        assert f"expected 1 to 1024, found '{workers}'" in capsys.readouterr().err
+    assert main([path, "--sorted", "-"]) == 2
+    assert "--sorted: expected the name of a file" in capsys.readouterr().err

@@ -485,3 +485,36 @@ def test_a_plan_trains_with_terms_and_evaluates_them(tmp_path: Path) -> None:
     assert policy.layout.observation.names[-1] == "height"
     with pytest.raises(ConfigError, match=r"Plan\.with_terms"):
         Plan.parse(trainer.plan.document, "again")
+
+
+def test_runs_of_terms_are_not_kept(tmp_path: Path) -> None:
+    """Functions are in no file: another reward of the same name would be answered with the runs of the first."""
+    own = crossgait.with_terms(
+        {"action": "joints", "robot": "serial_quadruped", "episode_seconds": 0.2},
+        crossgait.Terms(rewards={"height": terms.RewardTerm(lambda env: env.base_height)}),
+    )
+    with pytest.raises(ConfigError, match="runs: expected none: what is in no file"):
+        crossgait.verdict("zero", environment=own, starts=4, runs=tmp_path / "runs.jsonl")
+
+
+def test_terms_that_were_interrupted_are_made_again() -> None:
+    class Kept:
+        copies = 0
+
+        def __call__(self, env: crossgait.Batch) -> Any:
+            return np.zeros(env.num_envs)
+
+        def reset(self, env: crossgait.Batch, indices: Any) -> None:
+            pass
+
+        def __deepcopy__(self, memo: dict[int, Any]) -> Kept:
+            Kept.copies += 1
+            if Kept.copies == 1:
+                raise KeyboardInterrupt
+            return self
+
+    core = _core.Environment(crossgait.with_terms({}, crossgait.Terms(rewards={"kept": terms.RewardTerm(Kept())})))
+    with pytest.raises(KeyboardInterrupt):
+        core.reset(0)
+    assert core.reset(0).shape == (69,)
+    assert Kept.copies == 2

@@ -358,7 +358,7 @@ def test_tables_that_are_no_runs_are_refused(
     shutil.copytree(finished / "run", tmp_path / "run")
     (tmp_path / "run" / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(ConfigError, match=message):
-        Trainer(plan(), tmp_path / "run", resume=True)
+        Trainer(Plan.load(tmp_path / "run/config.yaml"), tmp_path / "run", resume=True)
 
 
 @pytest.mark.parametrize(
@@ -596,3 +596,18 @@ def test_shares_of_time_leave_out_evaluations() -> None:
         "learner": 0.3,
         "python": 0.1,
     }
+
+
+@pytest.mark.parametrize("change", ["seed=9", "algorithm.gamma=0.5", "environment.reward={alive: 1}"])
+def test_a_run_goes_on_as_what_it_was(change: str, finished: Path, tmp_path: Path) -> None:
+    shutil.copytree(finished / "run", tmp_path / "run")
+    other = Plan.load(tmp_path / "run/config.yaml", [change])
+    key = change.partition("=")[0].partition(".")[0]
+    with pytest.raises(ConfigError, match=rf"checkpoint\.pt: {key}: expected .*as the run began with"):
+        Trainer(other, tmp_path / "run", resume=True)
+
+
+def test_a_trainer_of_ones_own_leaves_what_is_needed_beside_its_policy(tmp_path: Path) -> None:
+    Trainer(plan(steps=320), tmp_path / "new/run", resume=False).run()
+    assert crossgait.rollout(tmp_path / "new/run" / LAST, episodes=1).document["policies"]
+    training.done(["-m", "crossgait.train", "--resume", "--out", "new/run", "--steps", "480"], tmp_path)

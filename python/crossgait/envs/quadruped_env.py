@@ -15,7 +15,7 @@ from crossgait.envs.described import described
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.render_mode import Drawn, known_camera, known_render_mode
 from crossgait.envs.seeds import episode_seed, refuse_options
-from crossgait.envs.spaces import action_space, observation_dtype, observation_space
+from crossgait.envs.spaces import action_array, action_space, observation_dtype, observation_space
 from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
 from crossgait.terms import Terms
@@ -136,9 +136,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
     def step(self, action: npt.ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One policy step. Entries of the action are clipped to their bounds; not finite counts as zero."""
         self._check_open()
-        if not isinstance(action, np.ndarray):
-            action = np.asarray(action, dtype=np.float64)
-        observation, reward, terminated, truncated = self.core.step(action)
+        observation, reward, terminated, truncated = self.core.step(action_array(action))
         if self.render_mode == "human":
             self.render()
         return self._seen(observation), reward, terminated, truncated, self.core.info

@@ -19,7 +19,7 @@ from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_env import Observation
 from crossgait.envs.render_mode import Drawn, known_camera, known_render_mode
 from crossgait.envs.seeds import episode_seed, refuse_options
-from crossgait.envs.spaces import action_space, observation_dtype, observation_space
+from crossgait.envs.spaces import action_array, action_space, observation_dtype, observation_space
 from crossgait.envs.termed_vector import TermedVectorEnvironment
 from crossgait.errors import ConfigError
 from crossgait.inputs import EngineLike, TerrainLike
@@ -169,7 +169,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         """Begin an episode everywhere. Raises ConfigError for any option: there are none."""
         if isinstance(seed, Sequence | np.ndarray):
             raise ConfigError("reset", "seed", "one integer, from which every environment's follows", repr(seed))
-        self._check_open()
+        self.check_open()
         super().reset(seed=seed)
         refuse_options(options)
         self._last = observations = self.core.reset(episode_seed(seed, self.np_random))
@@ -180,10 +180,8 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
 
         Raises ClosedEnvironmentError after `close`.
         """
-        self._check_open()
-        if not isinstance(actions, np.ndarray):
-            actions = np.asarray(actions, dtype=np.float64)
-        observations, rewards, terminated, truncated, final = self.core.step(actions)
+        self.check_open()
+        observations, rewards, terminated, truncated, final = self.core.step(action_array(actions))
         self._last = observations
         infos = self.core.infos()
         if final is not None:
@@ -192,7 +190,8 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
                 infos |= self._final(ended, self._seen(final))
         return self._seen(observations), rewards, terminated, truncated, infos
 
-    def _check_open(self) -> None:
+    def check_open(self) -> None:
+        """Raise ClosedEnvironmentError after `close`."""
         if self.closed:
             raise gymnasium.error.ClosedEnvironmentError("this environment was closed: make another")
 

@@ -30,3 +30,17 @@ def action_space(layout: EnvironmentLayout) -> spaces.Box:
     """Of float32, in the layout's bounds."""
     low, high = layout.action.low, layout.action.high
     return spaces.Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)
+
+
+def action_array(action: npt.ArrayLike) -> npt.NDArray[Any]:
+    """An action, or those of all environments, as the core takes it. Raises ConfigError for what is no real numbers."""
+    if isinstance(action, np.ndarray) and action.dtype in (np.float64, np.float32):
+        return action
+    try:
+        array = np.asarray(action)
+        if array.dtype.kind in "fiub":
+            return array.astype(np.float64)
+        found = f"an array of {array.dtype}"
+    except (TypeError, ValueError, OverflowError) as error:  # of lists of different lengths, numbers without end
+        found = str(error)
+    raise ConfigError("environment", "action", "an array of real numbers", found)

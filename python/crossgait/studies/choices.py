@@ -194,8 +194,8 @@ def all_engines(engines: EnginesLike | None, study: str) -> list[str]:
 
 def worker_count(workers: int | None) -> int:
     """Return the threads given, or as many as the process may use cores. Raises ConfigError for none."""
-    if workers is not None and workers < 1:
-        raise ConfigError("study", "workers", "at least 1", str(workers))
+    if workers is not None and not 1 <= workers <= _core.MOST_WORKERS:
+        raise ConfigError("study", "workers", f"1 to {_core.MOST_WORKERS}", str(workers))
     return workers if workers is not None else len(os.sched_getaffinity(0))
 
 

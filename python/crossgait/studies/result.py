@@ -40,16 +40,20 @@ class Result:
         """
         file = os.fspath(path)
         document = _core._read_result(file)
-        schema = document.get("schema")
-        name = schema.get("name") if isinstance(schema, dict) else None
-        kinds = {kind._study: kind for kind in _all_kinds(cls)}
+        said = document.get("schema")
+        schema = said if isinstance(said, dict) else {}
+        name = schema.get("name")
+        kinds = {cls._study: cls} if cls._study else _kinds_below(cls)
         if not isinstance(name, str) or name not in kinds:
             raise ConfigError(file, "schema.name", f"a result of {' or '.join(sorted(kinds))}", repr(name))
+        if (version := schema.get("version")) != _core.SCHEMA_VERSION:
+            raise ConfigError(file, "schema.version", repr(_core.SCHEMA_VERSION), repr(version))
         kind: type[Self] = kinds[name]
         result = kind(document, "")
         try:
             result._rows()
-            object.__setattr__(result, "text", document.get("summary", result._headline()))
+            _files_of(document)
+            object.__setattr__(result, "text", _text(result.summary))
         except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
             expected = f"what a result of {name} has (docs/schemas/{name}.json)"
             raise ConfigError(file, "document", expected, f"{type(error).__name__}: {error}") from error
@@ -63,7 +67,13 @@ class Result:
         return type(self) is type(other) and _without_times(self.document) == _without_times(other.document)
 
     def __hash__(self) -> int:
-        return hash(json.dumps(_without_times(self.document), sort_keys=True))
+        return hash(_hashable(_without_times(self.document)))
+
+    @property
+    def summary(self) -> str:
+        """What came out, in a sentence."""
+        summary: str = self.document["summary"] if "summary" in self.document else self._headline()
+        return summary
 
     def to_dict(self) -> Json:
         """Return a copy of the document, keys as in docs/schemas."""
@@ -72,7 +82,7 @@ class Result:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the document as JSON, whole or not at all. Raises ConfigError for a file that it is a result of."""
-        files = self.document.get("provenance", {}).get("files", {})
+        files = _files_of(self.document)
         check_outputs([("path", path)], [*(("what was read", file) for file in files), *self._inputs])
         with written_whole(path) as beside, open(beside, "w") as file:
             json.dump(self.document, file, indent=2)
@@ -129,10 +139,34 @@ class Result:
         return f"<p><b>{html.escape(answer)}</b></p><pre>{html.escape(rest)}</pre>"
 
 
-def _all_kinds(kind: type[Kind]) -> list[type[Kind]]:
-    """It and all below it that are of a study."""
-    below = [one for sub in kind.__subclasses__() for one in _all_kinds(sub)]
-    return [kind, *below] if kind._study else below
+def _kinds_below(kind: type[Kind]) -> dict[str, type[Kind]]:
+    """Classes of one study each, by its name; not those that somebody made of them."""
+    found: dict[str, type[Kind]] = {}
+    for below in kind.__subclasses__():
+        found |= {below._study: below} if below._study else _kinds_below(below)
+    return found
+
+
+def _files_of(document: Json) -> dict[str, str]:
+    """What it was made of, by their names as shown."""
+    provenance: Any = document.get("provenance", {})
+    files = provenance.get("files", {})
+    if not isinstance(files, dict):
+        raise TypeError("provenance.files")
+    return files
+
+
+def _text(summary: Any) -> str:
+    if not isinstance(summary, str):
+        raise TypeError("summary")
+    return summary
+
+
+def _hashable(value: Any) -> Any:
+    """Values that are equal are so as tuples and sets, and have one hash: 0.0 and -0.0, 1 and 1.0."""
+    if isinstance(value, dict):
+        return frozenset((key, _hashable(one)) for key, one in value.items())
+    return tuple(map(_hashable, value)) if isinstance(value, list) else value
 
 
 def _without_times(value: Any) -> Any:
@@ -168,13 +202,8 @@ def asked_for(recorded: Recorded | None, study: str) -> Recorded:
 
 
 class Answer(Result):
-    """A result that begins with a sentence."""
-
-    @property
-    def summary(self) -> str:
-        """What came out, to repeat to a colleague."""
-        summary: str = self.document["summary"]
-        return summary
+    """A result that begins with a sentence, to repeat to a colleague."""
 
     def _headline(self) -> str:
-        return self.summary
+        answer: str = self.document["summary"]
+        return answer

@@ -31,13 +31,15 @@ class WalkResult(Answer, WalkNumbers):
         """Every control step. Raises ConfigError unless it was asked for."""
         return asked_for(self.recorded, "walk")
 
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or name == "document":  # of a copy that is not yet there
-            raise AttributeError(name)
-        if name in self.document:
-            return self.document[name]
-        hint = meant(name, dir(self), "the document has none either (to_dict)")
-        raise AttributeError(f"a {type(self).__name__} has no '{name}': {hint}")
+    if not TYPE_CHECKING:  # which knows them by WalkNumbers, and so sees what is misspelt
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_") or name == "document":  # of a copy that is not yet there
+                raise AttributeError(name)
+            if name in self.document:
+                return self.document[name]
+            hint = meant(name, dir(self), "the document has none either (to_dict)")
+            raise AttributeError(f"a {type(self).__name__} has no '{name}': {hint}")
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.document]

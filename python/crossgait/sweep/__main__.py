@@ -9,7 +9,9 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from crossgait import _core
 from crossgait.commands import INTERRUPTED, exit_code, say
+from crossgait.errors import ConfigError
 from crossgait.files import Named, check_outputs, noting_reads, written_whole
 from crossgait.sweep.cluster import RayCluster
 from crossgait.sweep.executors import Executor
@@ -67,10 +69,9 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _count(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise ValueError(text)
-    return number
+    if not text.isdecimal() or not 1 <= int(text[:9]) <= _core.MOST_WORKERS:
+        raise argparse.ArgumentTypeError(f"expected 1 to {_core.MOST_WORKERS}, found {text!r}")
+    return int(text)
 
 
 def _duration(seconds: float) -> str:
@@ -139,6 +140,8 @@ def _run(options: argparse.Namespace) -> int:
     if options.dry_run:
         _dry_run(study)
         return 0
+    if options.sorted == "-":
+        raise ConfigError("command line", "--sorted", "the name of a file (./- is one)", '"-"')
     rows = Path(options.runs) if options.runs else Path(options.study).with_suffix(".jsonl")
     with noting_reads() as read:
         runs = study.runs()
@@ -150,7 +153,7 @@ def _run(options: argparse.Namespace) -> int:
     def executor() -> Executor[Run, str]:
         if options.ray is not None:
             return RayCluster(options.ray, options.workers)
-        return ProcessPool(options.workers or usable_cores())
+        return ProcessPool(min(options.workers or usable_cores(), max(len(runs), 1)))
 
     line = _Line() if sys.stderr.isatty() else None
     try:

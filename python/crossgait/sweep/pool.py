@@ -13,6 +13,7 @@ from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from typing import Any, Generic
 
+from crossgait import _core
 from crossgait.errors import ConfigError
 from crossgait.sweep.executors import Made, Make, Outcome, Task
 from crossgait.sweep.runs import row_of
@@ -78,6 +79,8 @@ class ProcessPool(Generic[Task, Made]):
 
     def __init__(self, workers: int, make: Make[Made] = row_of) -> None:  # type: ignore[assignment]  # of runs
         """Start them. `make`, a function of a module, makes a task; by default the row of a run."""
+        if not 1 <= workers <= _core.MOST_WORKERS:
+            raise ConfigError("processes", "workers", f"1 to {_core.MOST_WORKERS}", str(workers))
         self._make = make
         # Spawned, not forked: engines and interpreters have threads.
         self._context = multiprocessing.get_context("spawn")

@@ -6,6 +6,7 @@ Lock, torn last lines and what counts as a row are as in the core's `RunStore`: 
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -144,15 +145,16 @@ def _environment(behaviour: dict[str, Any]) -> dict[str, Any]:
 
 def _row(said: dict[str, Any], settings: dict[str, Any]) -> dict[str, Any]:
     """What a line says, a column each."""
-    row: dict[str, Any] = {"hash": said["hash"]} | settings
+    row: dict[str, Any] = settings.copy()
     run = said.get("run") or {}
     _flat(run | {"behaviour": _environment(run["behaviour"])} if "behaviour" in run else run, "", row)
     result = dict(said.get("result", {}))
     if "seconds" in result:
         result["simulated_seconds"] = result.pop("seconds")  # as walks call it; `seconds` is what is asked for
         if result["simulated_seconds"] > 0 and result.get("distance_m") is not None:
-            result["mean_speed_mps"] = result["distance_m"] / result["simulated_seconds"]
-    return row | result | {"error": said.get("error")}
+            speed = result["distance_m"] / result["simulated_seconds"]
+            result["mean_speed_mps"] = speed if math.isfinite(speed) else None
+    return row | result | {"hash": said["hash"], "error": said.get("error")}
 
 
 def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | None = None) -> pd.DataFrame:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from numbers import Real
-from typing import Any
+from typing import Any, Literal, get_args
 
 from crossgait._core import reward_terms
 from crossgait.errors import ConfigError
@@ -15,7 +15,8 @@ from crossgait.errors import ConfigError
 #: Observation groups: what the policy sees, and what a critic may see besides.
 GROUPS = ("policy", "critic")
 #: When events happen: as environments are made, as an episode begins, or now and then within one.
-MODES = ("startup", "reset", "step", "interval")
+Mode = Literal["startup", "reset", "step", "interval"]
+MODES: tuple[str, ...] = get_args(Mode)
 
 Params = Mapping[str, Any]
 
@@ -62,7 +63,7 @@ class EventTerm:
     """
 
     function: Callable[..., Any]
-    mode: str = "reset"
+    mode: Mode = "reset"
     interval: tuple[float, float] | None = None
     params: Params = field(default_factory=dict)
 

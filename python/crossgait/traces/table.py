@@ -66,7 +66,10 @@ class TraceTable:
 
     @property
     def time(self) -> Numbers:
-        """Simulated seconds."""
+        """Simulated seconds, the settling before the motion among them.
+
+        What results say (`outcome_at_s`, `parted_at_s`) is since the motion began, a control step before the first row.
+        """
         return self["time"]
 
     def group(self, prefix: str) -> dict[str, Numbers]:

@@ -182,7 +182,8 @@ def check_kept(kept: Kept, parts: Sequence[int]) -> None:
     """Raise ConfigError where it is not of so many parts as each stage's environments with terms have."""
     stage, found = kept["stage"], len(kept["parts"])
     if stage >= len(parts) or found != parts[stage]:
-        expected = f"what terms keep of {', '.join(map(str, parts))} parts of the environments, by stages"
+        each = ", ".join(map(str, parts)) or "no"
+        expected = f"what terms keep of {each} parts of the environments, by stages"
         raise ConfigError("terms", "restore", expected, f"of {found} in stage {stage}")
 
 

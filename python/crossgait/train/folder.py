@@ -52,14 +52,24 @@ def begin(folder: Path, plan: Plan, arguments: Sequence[str], *, resume: bool) -
     for each in there:
         if each.is_symlink() or not (each.is_file() or each.is_dir()):
             raise ConfigError(str(folder), each.name, "a file of the run's own", "a link, a pipe or a device")
-    for name, text in ((CONFIG, plan.to_yaml()), (ENVIRONMENT, plan.evaluated.to_yaml())):
-        with written_whole(folder / name) as beside:
-            beside.write_text(text)
+    describe(folder, plan, anew=True)  # of a run that is to be longer, too
     commands = folder / COMMANDS
     before = read_bytes(commands, MOST_COMMANDS) if commands.exists() else b""
     whole = before[: before.rfind(b"\n") + 1]  # without what a full disk, or a stop, left of a line
     with written_whole(commands) as beside:
         beside.write_bytes(whole + json.dumps(_command(plan, arguments)).encode() + b"\n")
+
+
+def describe(folder: Path, plan: Plan, *, anew: bool = False) -> None:
+    """Write what is trained, and in what its policy is evaluated, beside the policy: `anew`, or where nobody has.
+
+    By them a run is gone on with, and its policy judged. Raises ConfigError.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in ((CONFIG, plan.to_yaml()), (ENVIRONMENT, plan.evaluated.to_yaml())):
+        if anew or not (folder / name).exists():
+            with written_whole(folder / name) as beside:
+                beside.write_text(text)
 
 
 def _command(plan: Plan, arguments: Sequence[str]) -> dict[str, Any]:

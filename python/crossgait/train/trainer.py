@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import time
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from crossgait.errors import ConfigError
 from crossgait.sweep.pool import ProcessPool, usable_cores
 from crossgait.train import checkpoint, evaluation, record
 from crossgait.train.environments import TrainingEnvs
-from crossgait.train.folder import BEST, CHECKPOINT, ENDINGS, EVALUATIONS, LAST, OF_TRAINER, PROGRESS
+from crossgait.train.folder import BEST, CHECKPOINT, ENDINGS, EVALUATIONS, LAST, OF_TRAINER, PROGRESS, describe
 from crossgait.train.learner import Learner, WholePolicy
 from crossgait.train.plan import Plan
 from crossgait.train.remote_envs import RemoteEnvs, Workers
@@ -62,6 +63,23 @@ class Trained:
     state: Json  #: of the trainer
 
 
+def _of_run(plan: Plan) -> Json:
+    """What a run cannot change when it goes on: all but how long it is."""
+    return {key: value for key, value in plan.document.items() if key != "steps"}
+
+
+def _check_same_run(folder: Path, saved: Json | None, plan: Plan) -> None:
+    """Raise ConfigError where a checkpoint is of another plan. Those of earlier versions do not say."""
+    now = _of_run(plan)
+    if saved is None:
+        return
+    for key in dict.fromkeys([*saved, *now]):
+        before, after = (json.loads(json.dumps(each.get(key))) for each in (saved, now))
+        if before != after:
+            expected = f"{json.dumps(before)}, as the run began with"
+            raise ConfigError(str(folder / CHECKPOINT), key, expected, json.dumps(after))
+
+
 class Trainer:
     """One run in one folder, whose lock is held by whoever makes it (`crossgait.train.folder.locked`)."""
 
@@ -93,6 +111,8 @@ class Trainer:
             expected = "what the run goes on from; it cannot be made again from the rest"
             raise ConfigError(str(folder / CHECKPOINT), "file", expected, "none")
         self.plan, self.folder, self._title = plan, folder, title
+        if learner is None:
+            describe(folder, plan)
         self.learner = learner or WholePolicy(plan)
         torch.set_num_threads(plan["threads"])
         set_random_seed(plan["seed"])
@@ -110,6 +130,7 @@ class Trainer:
         self.state: Json = {"rollout": 0, "best": None, "evaluated": -1, "zero": None, "spent": {}}
         if there:
             self.state = checkpoint.load(folder, self.model, self.normalise)
+            _check_same_run(folder, self.state.pop("plan", None), plan)
             self.envs.keep(self.state.pop("terms", None))
         self.clock = Clock(self.state["spent"])
         last = self.state["rollout"] if there else None
@@ -211,7 +232,8 @@ class Trainer:
 
     def _save(self) -> None:
         self.state["spent"] = dict(self.clock.spent)
-        checkpoint.save(self.folder, self.model, self.normalise, self.state | {"terms": self.envs.kept()})
+        kept = self.state | {"terms": self.envs.kept(), "plan": _of_run(self.plan)}
+        checkpoint.save(self.folder, self.model, self.normalise, kept)
 
 
 class _ForwardTime:
