@@ -55,10 +55,12 @@ class Promises(unittest.TestCase):
                 self.assertEqual(wrong(promise, held_by, self.run_text), [])
 
     def test_each_answer_is_held_by_a_test(self):
-        for page, count in (("python-answers", 56), ("attacks-answered", 96)):
+        for page, first, last in (
+            ("python-answers", 1, 56), ("attacks-answered", 1, 50), ("attacks-answered-later", 51, 96)
+        ):
             text = (ROOT / f"docs/{page}.md").read_text(encoding="utf-8")
             rows = re.findall(r"^\| (\d+) \| .* \| (.+?) \|$", text, re.MULTILINE)
-            self.assertEqual([int(number) for number, _ in rows], list(range(1, count + 1)), page)
+            self.assertEqual([int(number) for number, _ in rows], list(range(first, last + 1)), page)
             for number, held_by in rows:
                 with self.subTest(page, row=number):
                     self.assertEqual(wrong(f"row {number}", held_by, self.run_text), [])
