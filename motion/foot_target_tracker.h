@@ -81,7 +81,7 @@ class FootTargetTracker {
     Vector3 servos = Vector3::Zero();    // rad
   };
   // What a leg is to do, and what compensation takes of its kinematics. Of legs with fewer servos than three
-  // the last entries stand for none: sizes that the compiler knows take half the time.
+  // the last entries stand for none: loops over sizes that the compiler knows are unrolled.
   struct Solution {
     IkStatus status = IkStatus::kOk;
     Vector3 servos = Vector3::Zero();    // rad

@@ -118,14 +118,14 @@ TEST(Outputs, StandardOutputIsOneAlone) {
 
 // The package writes these, by names of its own.
 TEST(Outputs, AreNotWhereStandardOutputGoes) {
-  for (const std::string output : {"--trace outputs_same", "--trace /dev/stdout", "--json /dev/stdout"}) {
-    write_file("outputs_same", "precious");
-    const ProgramResult result = run_program("walk --seconds .1 " + output, "exec >> outputs_same; ");
+  for (const std::string output : {"--trace outputs_standard", "--trace /dev/stdout", "--json /dev/stdout"}) {
+    write_file("outputs_standard", "precious");
+    const ProgramResult result = run_program("walk --seconds .1 " + output, "exec >> outputs_standard; ");
     EXPECT_EQ(result.exit_code, 2) << output;
     EXPECT_NE(result.err.find("a file of its own"), std::string::npos) << result.err;
-    EXPECT_EQ(read_file("outputs_same"), "precious") << output;
+    EXPECT_EQ(read_file("outputs_standard"), "precious") << output;
   }
-  fs::remove("outputs_same");
+  fs::remove("outputs_standard");
 }
 
 TEST(Outputs, OfAnImportAreItsFolderToo) {

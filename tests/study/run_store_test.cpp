@@ -285,7 +285,8 @@ TEST_F(StoredRuns, ThatFailedSayWhyAndOfWhichRun) {
       {R"("error":"none","result":{"outcome":"fell","seconds":1})", "a result beside its error"},
   };
   for (const auto& [rest, problem] : wrong) {
-    const std::string found = config_error([&] { store.add_row(row(rest)); }).found();
+    const std::string line = row(rest);
+    const std::string found = config_error([&] { store.add_row(line); }).found();
     EXPECT_NE(found.find(problem), std::string::npos) << rest << ": " << found;
   }
 }

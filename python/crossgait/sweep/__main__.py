@@ -69,9 +69,10 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _count(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text[:9]) <= _core.MOST_WORKERS:
+    number = int(text) if text.isascii() and text.isdecimal() and len(text) < 9 else 0
+    if not 1 <= number <= _core.MOST_WORKERS:
         raise argparse.ArgumentTypeError(f"expected 1 to {_core.MOST_WORKERS}, found {text!r}")
-    return int(text)
+    return number
 
 
 def _duration(seconds: float) -> str:
