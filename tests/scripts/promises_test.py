@@ -56,7 +56,9 @@ class Promises(unittest.TestCase):
 
     def test_each_answer_is_held_by_a_test(self):
         for page, first, last in (
-            ("python-answers", 1, 56), ("attacks-answered", 1, 50), ("attacks-answered-later", 51, 96)
+            ("python-answers", 1, 56),
+            ("attacks-answered", 1, 50),
+            ("attacks-answered-later", 51, 96),
         ):
             text = (ROOT / f"docs/{page}.md").read_text(encoding="utf-8")
             rows = re.findall(r"^\| (\d+) \| .* \| (.+?) \|$", text, re.MULTILINE)
