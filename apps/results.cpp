@@ -155,7 +155,7 @@ void JsonOption::emit(const std::string& text, ordered_json json) const {
   emit(text, std::move(json), provenance());
 }
 
-Recorded read_recorded(const std::string& file) { return {file, Json(read_result(file))}; }
+Recorded read_recorded(const std::string& file) { return {file, read_result(file)}; }
 
 void keep_standard_streams() {
   // The lowest free number is the one that is closed. Opened the wrong way round, it takes and gives nothing.

@@ -15,7 +15,6 @@ namespace crossgait {
 namespace {
 
 using Json = nlohmann::json;
-using nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 Json without_hash(const Provenance& p) {
@@ -26,6 +25,20 @@ Json without_hash(const Provenance& p) {
   for (const EngineInfo& e : p.engines)
     result["engines"].push_back({{"name", e.name}, {"library", e.library}, {"version", e.version}});
   if (p.subject.is_object()) result.update(p.subject);
+  return result;
+}
+
+Json parse_result(const std::string& text, const std::string& file) {
+  check_json_budget(text, kResultBudget, file);
+  Json result;
+  try {
+    result = parse_json_once<Json>(text, [&file](const std::string& key) {
+      throw ConfigError(file, key, "each key once in an object", "twice");
+    });
+  } catch (const Json::exception&) {
+  }
+  if (!result.is_object())
+    throw ConfigError(file, "file", "a result as `--json` writes it", "no JSON object");
   return result;
 }
 
@@ -91,20 +104,13 @@ nlohmann::ordered_json to_json(const Provenance& p) {
   return result;
 }
 
-ordered_json read_result(const std::string& file) {
-  const std::string text = read_text_file(file, kResultBudget);
-  check_json_budget(text, kResultBudget, file);
-  ordered_json result;
-  try {
-    result = parse_json_once<ordered_json>(text, [&file](const std::string& key) {
-      throw ConfigError(file, key, "each key once in an object", "twice");
-    });
-  } catch (const ordered_json::exception&) {
-  }
-  if (!result.is_object())
-    throw ConfigError(file, "file", "a result as `--json` writes it", "no JSON object");
-  return result;
+std::string read_result_text(const std::string& file) {
+  std::string text = read_text_file(file, kResultBudget);
+  static_cast<void>(parse_result(text, file));
+  return text;
 }
+
+Json read_result(const std::string& file) { return parse_result(read_text_file(file, kResultBudget), file); }
 
 std::vector<std::string> command_of(const Json& result, const std::string& file) {
   try {

@@ -34,7 +34,10 @@ nlohmann::ordered_json to_json(const Provenance& provenance);
 
 /// Reads a result as a command's `--json` wrote it. @throws ConfigError if the file is no JSON object, says a
 /// key twice, or is beyond kResultBudget
-nlohmann::ordered_json read_result(const std::string& file);
+nlohmann::json read_result(const std::string& file);
+/// Returns its text, for readers who keep the order of its keys, checked likewise: JSON in order of insertion
+/// compares each key with all before it.
+std::string read_result_text(const std::string& file);
 
 /// Returns the command and its arguments that a result names. @param result  as a command wrote it
 /// @throws ConfigError naming `file` if it names none

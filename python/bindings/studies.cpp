@@ -10,7 +10,6 @@
 #include "python/bindings/behaviour.h"
 #include "python/bindings/bindings.h"
 #include "python/bindings/job.h"
-#include "python/bindings/json.h"
 #include "python/bindings/python_policy.h"
 #include "python/bindings/study_report.h"
 #include "python/bindings/trace_numbers.h"
@@ -171,8 +170,8 @@ void bind_studies(nb::module_& m) {
       nb::arg("terrains"), nb::arg("unseen"), nb::arg("workers"), nb::arg("seed"), nb::arg("course").none(),
       kProgress);
   m.def(
-      "_read_result", [](const std::string& file) { return to_python(read_result(file)); }, nb::arg("file"),
-      nb::sig("def _read_result(file: str) -> dict[str, typing.Any]"));
+      "_read_result_text", [](const std::string& file) { return read_result_text(file); }, nb::arg("file"),
+      "Of a JSON object that says each key once.");
   m.def("_conformance", &conformance_of, nb::arg("engine"), nb::arg("only"), kProgress);
   m.def("_bench", &bench, nb::arg("engines"), nb::arg("sections"), nb::arg("quick"), kProgress);
 }

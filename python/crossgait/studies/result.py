@@ -39,7 +39,7 @@ class Result:
         Raises ConfigError for a file that is no result, or one of another study.
         """
         file = os.fspath(path)
-        document = _core._read_result(file)
+        document: Json = json.loads(_core._read_result_text(file))
         said = document.get("schema")
         schema = said if isinstance(said, dict) else {}
         name = schema.get("name")
