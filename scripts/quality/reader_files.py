@@ -125,6 +125,11 @@ def make_valid(program, folder):
         "</collision></link></model></world></sdf>",
         "env.yaml": run(program, ["env", "--yaml", "--terrain", "rough"])
         + "randomisation: {friction: [.5, 1], mass: [.9, 1.1], terrain_seed: [0, 9]}\n",
+        "joints.yaml": "action: joints\nrobot: serial_quadruped\nsettle_seconds: 0\nobservation: [{block: gravity, history: 2},"
+        " {block: clock_sin, history: 2}, {block: height_scan, history: 2}]\n"
+        "history: {by: frame, order: oldest_first, before: first}\nclock: {frequency: 2, phases: [0, .5]}\n"
+        "height_scan: {x: [-.1, .1], y: [0, .1], offset: .3, x_first: true}\n"
+        "start: {height: .3, velocity: [.1, 0, 0], angular_velocity: [0, 0, .1]}\n",
         "scripted.yaml": f"kind: scripted\nlayout_version: {version}\nsteps:\n"
         "  - {time: 0, action: {residual.FL.z: .5}}\n  - {time: .01, parameters: {step_height: .05}}\n",
         "hierarchical.yaml": f"kind: hierarchical\nlayout_version: {version}\n"
