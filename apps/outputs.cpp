@@ -57,8 +57,8 @@ bool is_replaced(const std::string& path) {
 /// Tells whether a file is what standard output leads to, by whatever name: /dev/stdout, or where a shell has
 /// it go. Of devices only a terminal: everybody may write to /dev/null.
 bool is_standard_output(const std::string& path) {
-  struct stat file {
-  }, out{};
+  struct stat file {};
+  struct stat out {};
   if (::stat(path.c_str(), &file) != 0 || ::fstat(STDOUT_FILENO, &out) != 0) return false;
   if (file.st_dev != out.st_dev || file.st_ino != out.st_ino) return false;
   return !S_ISCHR(out.st_mode) || ::isatty(STDOUT_FILENO) == 1;
@@ -70,12 +70,15 @@ bool takes_standard_output(const CLI::Option& option) { return option.get_type_n
 std::vector<NamedFile> outputs_of(const CLI::App& command) {
   std::vector<NamedFile> outputs;
   bool to_standard_output = false;
+  const auto take_standard_output = [&to_standard_output](const CLI::Option& option) {
+    if (std::exchange(to_standard_output, true))
+      throw ConfigError("command line", option.get_name(), "one output on standard output", "a second");
+  };
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_group() != kOutputs || !names_file(*option)) continue;
     for (const std::string& path : option->results()) {
       if (path == "-" && takes_standard_output(*option)) {
-        if (std::exchange(to_standard_output, true))
-          throw ConfigError("command line", option->get_name(), "one output on standard output", "a second");
+        take_standard_output(*option);
         continue;
       }
       if (path == "-")
@@ -85,8 +88,7 @@ std::vector<NamedFile> outputs_of(const CLI::App& command) {
         if (is_replaced(path))  // what is printed would go into a file that has no name any more
           throw ConfigError("command line", option->get_name(), "a file of its own",
                             fmt::format("\"{}\", where standard output goes", path));
-        if (std::exchange(to_standard_output, true))
-          throw ConfigError("command line", option->get_name(), "one output on standard output", "a second");
+        take_standard_output(*option);
       }
       if (is_replaced(path)) outputs.push_back(named_file(option->get_name(), path));
     }

@@ -11,34 +11,20 @@ namespace {
 
 constexpr std::string_view kVectorEnv = "vector environment";
 
-std::size_t at_least_one(std::string_view what, std::size_t count) {
+std::size_t checked(std::string_view what, std::size_t count, std::size_t most) {
+  if (count > most)
+    throw ConfigError(kVectorEnv, what, "at most " + std::to_string(most), std::to_string(count));
   if (count == 0) throw ConfigError(kVectorEnv, what, "at least 1", "0");
   return count;
-}
-
-std::size_t known_count(std::size_t environments) {
-  if (environments > kMaxEnvironments) {
-    throw ConfigError(kVectorEnv, "environments", "at most " + std::to_string(kMaxEnvironments),
-                      std::to_string(environments));
-  }
-  return at_least_one("environments", environments);
-}
-
-std::size_t known_workers(std::size_t workers) {
-  if (workers > kMaxWorkers) {
-    throw ConfigError(kVectorEnv, "workers", "at most " + std::to_string(kMaxWorkers),
-                      std::to_string(workers));
-  }
-  return at_least_one("workers", workers);
 }
 
 }  // namespace
 
 VectorEnv::VectorEnv(const EnvConfig& config, const Engine& engine, const VectorEnvOptions& options)
     : auto_reset_(options.auto_reset),
-      environments_(known_count(options.environments)),
+      environments_(checked("environments", options.environments, kMaxEnvironments)),
       slots_(options.environments),
-      pool_(known_workers(options.workers)) {
+      pool_(checked("workers", options.workers, kMaxWorkers)) {
   const auto model = EnvModel::make(config);
   // With fewer environments than threads there is nothing to share.
   const auto group = size() > workers() ? std::make_shared<WorldGroup>(workers()) : nullptr;

@@ -8,7 +8,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "physics/core/locked_file.h"
 #include "study/run_index.h"

@@ -145,16 +145,26 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
   RunResult result_;
 };
 
+constexpr std::string_view kBegin =
+    R"({"hash":"0123456789abcdef","run":{)";  // of a row as `stored_run` has it
+constexpr std::size_t kHashAt = 9, kHashEnd = kHashAt + 16;
+
+/// Tells whether a line begins so, with any hash, as far as it goes.
+bool begins_as_stored(std::string_view line) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  for (std::size_t i = 0; i < std::min(line.size(), kBegin.size()); ++i) {
+    const bool is_digit = i >= kHashAt && i < kHashEnd;
+    if (is_digit ? kDigits.find(line[i]) == std::string_view::npos : line[i] != kBegin[i]) return false;
+  }
+  return true;
+}
+
 /// Computes the hash that a row's run has, of its bytes where they are as `stored_run` writes them.
 std::optional<std::uint64_t> hash_of_run(std::string_view line, std::uint64_t expected) {
-  constexpr std::string_view kBegin = R"({"hash":"0123456789abcdef","run":)", kEnd = R"(,"result":)";
-  const std::size_t end = line.rfind(kEnd), begin = kBegin.size();
-  constexpr std::string_view kRun = R"(,"run":)";
-  const bool is_ours = line.size() > begin && line.starts_with(R"({"hash":")") &&
-                       line.substr(begin - kRun.size(), kRun.size()) == kRun;
-  if (is_ours && end != std::string_view::npos && end > begin) {
-    const std::string_view run = line.substr(begin, end - begin);
-    if (Fnv1a().add(run).value() == expected) return expected;
+  constexpr std::size_t kRunAt = kBegin.size() - 1;
+  const std::size_t end = line.rfind(R"(,"result":)");
+  if (begins_as_stored(line) && end != std::string_view::npos && end > kRunAt) {
+    if (Fnv1a().add(line.substr(kRunAt, end - kRunAt)).value() == expected) return expected;
   }
   const auto row =
       nlohmann::json::parse(line);  // whose members are in order, as those of a run that is hashed
@@ -195,13 +205,8 @@ StoredRow read_stored_row(std::string_view line, const std::string& path, std::s
 }
 
 bool is_torn_row(std::string_view line, bool has_rows_before) {
-  constexpr std::string_view kBegin = R"({"hash":"0123456789abcdef","run":{)", kDigits = "0123456789abcdef";
-  constexpr std::size_t kHashAt = 9, kHashEnd = kHashAt + 16;
   if (!has_rows_before && line.size() <= kHashEnd) return false;
-  for (std::size_t i = 0; i < std::min(line.size(), kBegin.size()); ++i) {
-    const bool is_digit = i >= kHashAt && i < kHashEnd;
-    if (is_digit ? kDigits.find(line[i]) == std::string_view::npos : line[i] != kBegin[i]) return false;
-  }
+  if (!begins_as_stored(line)) return false;
   std::istringstream text{std::string(line)};
   ordered_json value;
   try {

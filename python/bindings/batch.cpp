@@ -156,17 +156,21 @@ void set_commands(Batch& batch, const nb::object& commands, const Indices& indic
   }
 }
 
+// A point of a body's frame, m, or its centre of mass where none is said.
+nb::object point_or_centre(const RobotDescription& robot, int body, const nb::object& point) {
+  const Vector3& centre = robot.bodies[static_cast<std::size_t>(body)].inertia.p_BC;
+  return point.is_none() ? nb::make_tuple(centre.x(), centre.y(), centre.z()) : point;
+}
+
 void apply_wrench(Batch& batch, const std::string& body, const nb::object& force, const nb::object& torque,
                   const nb::object& point, const Indices& indices) {
   const std::vector<std::size_t> which = chosen(batch, indices);
   const RobotDescription& robot = *batch.at(0).model().robot;
   const int index = body_index(robot, body, kSource);
-  const Vector3 centre = robot.bodies[static_cast<std::size_t>(index)].inertia.p_BC;
   const nb::object zero = nb::make_tuple(0.0, 0.0, 0.0);
   const Rows forces(force, which.size(), 3, "force"),
       torques(torque.is_none() ? zero : torque, which.size(), 3, "torque"),
-      points(point.is_none() ? nb::make_tuple(centre.x(), centre.y(), centre.z()) : point, which.size(), 3,
-             "point");
+      points(point_or_centre(robot, index, point), which.size(), 3, "point");
   for (std::size_t k = 0; k < which.size(); ++k)
     batch.change(which[k]).apply_wrench({index, {forces.vector(k), torques.vector(k)}, points.vector(k)});
 }
@@ -174,9 +178,7 @@ void apply_wrench(Batch& batch, const std::string& body, const nb::object& force
 nb::object jacobian(const Batch& batch, const std::string& body, const nb::object& point) {
   const RobotDescription& robot = *batch.at(0).model().robot;
   const int index = body_index(robot, body, kSource);
-  const Vector3 centre = robot.bodies[static_cast<std::size_t>(index)].inertia.p_BC;
-  const Rows points(point.is_none() ? nb::make_tuple(centre.x(), centre.y(), centre.z()) : point,
-                    batch.size(), 3, "point");
+  const Rows points(point_or_centre(robot, index, point), batch.size(), 3, "point");
   const std::size_t columns = qvel_size(robot);
   const NewArray<double> made(batch.size(), 6 * columns);
   std::vector<Pose> poses;

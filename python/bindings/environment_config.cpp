@@ -330,6 +330,9 @@ void bind_environment_config(nb::module_& m) {
   bind_making(config);
   bind_saying(config);
   bind_terms(config);
+  m.def("_as_written", &as_written, nb::arg("numbers"),
+        nb::sig("def _as_written(numbers: typing.Any) -> typing.Any"),
+        "NumPy's numbers, those of fewer digits than Python's as they were written.");
 }
 
 }  // namespace crossgait::python

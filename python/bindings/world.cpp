@@ -33,6 +33,7 @@ namespace crossgait::python {
 namespace {
 
 Eigen::Vector4d wxyz(const Quaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+Quaternion of_wxyz(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
 
 JointVector joint_vector(const nb::object& given, const char* what) {
   const auto array = numbers_of(given);
@@ -48,11 +49,15 @@ class ArrayLike : public nb::object {
   NB_OBJECT_DEFAULT(ArrayLike, nb::object, "numpy.typing.ArrayLike", [](const PyObject*) { return true; })
 };
 
-Vector3 vector3(const nb::object& given, const char* what) {
+template <int size>
+Eigen::Matrix<double, size, 1> vector_of_size(const nb::object& given, const char* what) {
   const auto array = numbers_of(given);
-  if (array.size() != 3) throw ConfigError("world", what, "3 numbers", std::to_string(array.size()));
-  return {array.data()[0], array.data()[1], array.data()[2]};
+  if (array.size() != size)
+    throw ConfigError("world", what, std::to_string(size) + " numbers", std::to_string(array.size()));
+  return Eigen::Map<const Eigen::Matrix<double, size, 1>>(array.data());
 }
+
+Vector3 vector3(const nb::object& given, const char* what) { return vector_of_size<3>(given, what); }
 
 std::unique_ptr<PhysicsBackend> make_world(const RobotLike& chosen, const TerrainLike& ground,
                                            const EngineLike& engine_like, std::optional<double> friction,
@@ -154,13 +159,13 @@ void restore(PhysicsBackend& world, const WorldSnapshot& snapshot) {
   world.restore(snapshot);
 }
 
-// What `write` puts down, as an array of its own.
 // A copy, whose numbers cannot be set: nobody is to believe that they act.
 nb::object read_only(nb::object array) {
   array.attr("setflags")(nb::arg("write") = false);
   return array;
 }
 
+// What `write` puts down, as an array of its own.
 nb::object numbers_of_state(std::size_t size, const RobotState& state,
                             void (*write)(const RobotState&, double*)) {
   const NewArray<double> made(size);
@@ -235,7 +240,7 @@ void bind_state(nb::module_& m) {
              const auto& [time, p_WB, q_WB, v_WB, w_WB, q, qd] = saved;
              new (&s) RobotState{.time = time,
                                  .p_WB = p_WB,
-                                 .q_WB = Quaternion(q_WB[0], q_WB[1], q_WB[2], q_WB[3]),
+                                 .q_WB = of_wxyz(q_WB),
                                  .v_WB = v_WB,
                                  .w_WB = w_WB,
                                  .q = joint_vector(q, "q"),
@@ -246,11 +251,7 @@ void bind_state(nb::module_& m) {
               "episode counts, which `info['time']` leaves out.")
       .def_prop_rw(
           "q_WB", [](const RobotState& s) { return read_only(nb::cast(wxyz(s.q_WB))); },
-          [](RobotState& s, const nb::object& given) {
-            const auto q = numbers_of(given);
-            if (q.size() != 4) throw ConfigError("world", "q_WB", "4 numbers", std::to_string(q.size()));
-            s.q_WB = Quaternion(q.data()[0], q.data()[1], q.data()[2], q.data()[3]);
-          },
+          [](RobotState& s, const nb::object& q) { s.q_WB = of_wxyz(vector_of_size<4>(q, "q_WB")); },
           nb::for_getter(nb::sig("def q_WB(self) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def q_WB(self, q_WB: numpy.typing.ArrayLike, /) -> None")),
           "Orientation of the base, unit quaternion w, x, y, z: read-only, to be set as a whole.")

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any, ParamSpec, TypeVar
 
+from crossgait import _core
 from crossgait.errors import ConfigError
 from crossgait.files import noting_reads
 from crossgait.signatures import check_types, has_bytes, refuse
@@ -52,7 +53,7 @@ def _of_python(value: Any, levels: int = 2) -> Any:
     kind = getattr(getattr(value, "dtype", None), "kind", "")
     if getattr(value, "ndim", 1) != 0 or kind not in ("f", "i", "u", "b"):
         return value
-    return float(str(value)) if kind == "f" and value.dtype.itemsize < 8 else value.item()
+    return _core._as_written(value).item()
 
 
 def checking_arguments(study: Callable[P, R]) -> Callable[P, R]:

@@ -40,7 +40,7 @@ def check_outputs(outputs: Iterable[Named], inputs: Iterable[Named] = ()) -> Non
     written = [(option, os.fspath(path)) for option, path in outputs if path is not None]
     written = [(option, path) for option, path in written if path != "-" and _is_replaced(path)]
     for i, (option, path) in enumerate(written):
-        from_root(path)
+        from_root(path)  # whether there is such a place
         if _is_standard_output(path):
             raise ConfigError("command line", option, "a file of its own", f'"{path}", where standard output goes')
         for other, another in written[:i]:
@@ -148,10 +148,10 @@ def _beside(path: str | os.PathLike[str]) -> Iterator[Path]:
     if there and not os.access(target, os.W_OK, effective_ids=True):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), os.fspath(path))
     _core._remove_left_over(os.fspath(target.parent))
-    # A folder, so that the file is made by whoever writes it, with the permissions of any other file.
     if not target.parent.is_dir():
         expected = "a place that can be written"
         raise ConfigError(os.fspath(path), "output file", expected, f"no folder {target.parent}")
+    # A folder, so that the file is made by whoever writes it, with the permissions of any other file.
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".crossgait-", suffix=".tmp") as folder:
         held = _hold(folder)
         try:

@@ -17,7 +17,7 @@ from crossgait.files import append_whole, written_whole
 
 KILLED = """
 import os, signal, sys
-from crossgait.files import append_whole, written_whole
+from crossgait.files import written_whole
 with written_whole(sys.argv[1]) as beside:
     beside.write_text("half")
     os.kill(os.getpid(), signal.SIGKILL)

@@ -116,7 +116,6 @@ TEST(Outputs, StandardOutputIsOneAlone) {
   EXPECT_FALSE(fs::exists("-"));
 }
 
-// The package writes these, by names of its own.
 TEST(Outputs, AreNotWhereStandardOutputGoes) {
   for (const std::string output : {"--trace outputs_standard", "--trace /dev/stdout", "--json /dev/stdout"}) {
     write_file("outputs_standard", "precious");
@@ -128,6 +127,7 @@ TEST(Outputs, AreNotWhereStandardOutputGoes) {
   fs::remove("outputs_standard");
 }
 
+// The package writes these, by names of its own.
 TEST(Outputs, OfAnImportAreItsFolderToo) {
   write_file("outputs_network.onnx", "x");
   fs::create_directory("outputs_import");

@@ -43,7 +43,7 @@ class Result:
         said = document.get("schema")
         schema = said if isinstance(said, dict) else {}
         name = schema.get("name")
-        kinds = {cls._study: cls} if cls._study else _kinds_below(cls)
+        kinds = _kinds(cls)
         if not isinstance(name, str) or name not in kinds:
             raise ConfigError(file, "schema.name", f"a result of {' or '.join(sorted(kinds))}", repr(name))
         if (version := schema.get("version")) != _core.SCHEMA_VERSION:
@@ -139,12 +139,11 @@ class Result:
         return f"<p><b>{html.escape(answer)}</b></p><pre>{html.escape(rest)}</pre>"
 
 
-def _kinds_below(kind: type[Kind]) -> dict[str, type[Kind]]:
-    """Classes of one study each, by its name; not those that somebody made of them."""
-    found: dict[str, type[Kind]] = {}
-    for below in kind.__subclasses__():
-        found |= {below._study: below} if below._study else _kinds_below(below)
-    return found
+def _kinds(kind: type[Kind]) -> dict[str, type[Kind]]:
+    """The class, if it is of one study, by its name; else those below it that are."""
+    if kind._study:
+        return {kind._study: kind}
+    return {name: each for below in kind.__subclasses__() for name, each in _kinds(below).items()}
 
 
 def _files_of(document: Json) -> dict[str, str]:

@@ -70,12 +70,11 @@ def _of_run(plan: Plan) -> Json:
 
 def _check_same_run(folder: Path, saved: Json | None, plan: Plan) -> None:
     """Raise ConfigError where a checkpoint is of another plan. Those of earlier versions do not say."""
-    now = _of_run(plan)
     if saved is None:
         return
+    now = _of_run(plan)
     for key in dict.fromkeys([*saved, *now]):
-        before, after = (json.loads(json.dumps(each.get(key))) for each in (saved, now))
-        if before != after:
+        if (before := saved.get(key)) != (after := now.get(key)):
             expected = f"{json.dumps(before)}, as the run began with"
             raise ConfigError(str(folder / CHECKPOINT), key, expected, json.dumps(after))
 
