@@ -19,6 +19,7 @@ SweepProblem::SweepProblem(int dofs, const std::vector<std::vector<int>>& couple
       Z_(3, (kMaxContacts + kMaxBoundedRows) * dofs),
       w_(DofVector::Zero(dofs)),
       u_(DofVector::Zero(dofs)),
+      lookahead_(dofs),
       mixer_(kMaxRows),
       before_(kMaxRows),
       after_(kMaxRows) {
@@ -41,7 +42,7 @@ const std::vector<int>& SweepProblem::reach(std::span<const int> dofs) const noe
 
 void SweepProblem::add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
                                const Vector3& b) noexcept {
-  Contact& contact = contacts_[static_cast<std::size_t>(contact_count_++)];
+  SweptContact& contact = contacts_[static_cast<std::size_t>(contact_count_++)];
   contact.dofs = &reach(dofs);
   contact.first = columns_;
   contact.b = b;
@@ -78,7 +79,8 @@ void SweepProblem::add_bounded(std::span<const int> dofs, const DofVector& z, do
   row.step = A > 0 ? 1 / A : 0;
 }
 
-void SweepProblem::sweep_bounded(bool forward, Change& change) noexcept {
+double SweepProblem::sweep_bounded(bool forward) noexcept {
+  double change = 0;
   for (int i = 0; i < bounded_count_; ++i) {
     Bounded& row = bounded_[static_cast<std::size_t>(forward ? i : bounded_count_ - 1 - i)];
     double velocity = row.b + row.R * row.x;
@@ -87,36 +89,36 @@ void SweepProblem::sweep_bounded(bool forward, Change& change) noexcept {
     const double next = std::clamp(row.x - row.step * velocity, row.bounds.lower, row.bounds.upper);
     const double by = next - row.x;
     row.x = next;
-    change.largest = std::max(change.largest, std::abs(next));
     if (by == 0) continue;
     column = row.first;
     for (const int dof : *row.dofs) w_[dof] += by * Z_(0, column++);
-    change.impulse = std::max(change.impulse, std::abs(by));
-    change.velocity = std::max(change.velocity, std::abs(by) / row.step);
+    change = std::max(change, std::abs(by) / row.step);
   }
+  return change;
 }
 
-void SweepProblem::sweep_normals(Change& change) noexcept {
+double SweepProblem::sweep_normals() noexcept {
+  double change = 0;
   for (int i = 0; i < contact_count_; ++i) {
-    Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    SweptContact& contact = contacts_[static_cast<std::size_t>(i)];
     double velocity = contact.b[0] + contact.R[0] * contact.x[0];
     int column = contact.first;
     for (const int dof : *contact.dofs) velocity += Z_(0, column++) * w_[dof];
     const double next = std::max(0.0, contact.x[0] - contact.normal_step * velocity);
     const double by = next - contact.x[0];
     contact.x[0] = next;
-    change.largest = std::max(change.largest, next);
     if (by == 0) continue;
     column = contact.first;
     for (const int dof : *contact.dofs) w_[dof] += by * Z_(0, column++);
-    change.impulse = std::max(change.impulse, std::abs(by));
-    change.velocity = std::max(change.velocity, std::abs(by) / contact.normal_step);
+    change = std::max(change, std::abs(by) / contact.normal_step);
   }
+  return change;
 }
 
-void SweepProblem::sweep_tangents(Change& change) noexcept {
+double SweepProblem::sweep_tangents() noexcept {
+  double change = 0;
   for (int i = 0; i < contact_count_; ++i) {
-    Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    SweptContact& contact = contacts_[static_cast<std::size_t>(i)];
     const double limit = friction_ * contact.x[0];
     if (limit == 0 && contact.x[1] == 0 && contact.x[2] == 0) continue;
     double v1 = contact.b[1] + contact.R[1] * contact.x[1], v2 = contact.b[2] + contact.R[2] * contact.x[2];
@@ -140,18 +142,30 @@ void SweepProblem::sweep_tangents(Change& change) noexcept {
       w_[dof] += by1 * Z_(1, column) + by2 * Z_(2, column);
       ++column;
     }
-    change.impulse = std::max({change.impulse, std::abs(by1), std::abs(by2)});
-    if (contact.tangent_step > 0)
-      change.velocity = std::max(change.velocity, std::abs(by1 + by2) / contact.tangent_step);
+    if (contact.tangent_step > 0) change = std::max(change, std::abs(by1 + by2) / contact.tangent_step);
   }
+  return change;
 }
 
-SweepProblem::Change SweepProblem::sweep_once(bool bounded_forward) noexcept {
-  Change change;
-  sweep_bounded(bounded_forward, change);
-  sweep_normals(change);
-  sweep_tangents(change);
-  return change;
+// With few, what is laid out for it costs as much as it saves; and results of quadrupeds on feet that are
+// points keep their rounding.
+bool SweepProblem::many() const noexcept { return contact_count_ >= 8; }
+
+std::span<SweptContact> SweepProblem::swept() noexcept {
+  return std::span(contacts_).first(static_cast<std::size_t>(contact_count_));
+}
+
+void SweepProblem::begin_sweeps() noexcept {
+  w_.setZero();
+  if (many()) lookahead_.begin(swept(), Z_, w_);
+}
+
+// Returns by how much the velocity of a row changed at most.
+double SweepProblem::sweep_once(bool bounded_forward) noexcept {
+  const double bounded = sweep_bounded(bounded_forward);
+  const double normals = many() ? lookahead_.sweep_normals() : sweep_normals();
+  const double tangents = many() ? lookahead_.sweep_tangents(friction_) : sweep_tangents();
+  return std::max({bounded, normals, tangents});
 }
 
 void SweepProblem::finish() noexcept {
@@ -160,13 +174,14 @@ void SweepProblem::finish() noexcept {
 }
 
 int SweepProblem::sweep(int max_sweeps, double enough) noexcept {
-  w_.setZero();
+  begin_sweeps();
   int count = 0;
   while (count < max_sweeps) {
     const bool forward = count % 2 == 1;
     ++count;
-    if (sweep_once(forward).velocity <= enough) break;
+    if (sweep_once(forward) <= enough) break;
   }
+  if (many()) lookahead_.get_impulses(swept());
   finish();
   return count;
 }
@@ -178,7 +193,7 @@ void SweepProblem::begin_mixing() noexcept {
   const auto weight = [](double step) { return step > 0 ? 1 / std::sqrt(step) : 0; };
   for (int i = 0; i < bounded_count_; ++i) weights[i] = weight(bounded_[static_cast<std::size_t>(i)].step);
   for (int i = 0; i < contact_count_; ++i) {
-    const Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    const SweptContact& contact = contacts_[static_cast<std::size_t>(i)];
     weights.segment<3>(bounded_count_ + 3 * i) << weight(contact.normal_step), weight(contact.tangent_step),
         weight(contact.tangent_step);
   }
@@ -200,7 +215,7 @@ void SweepProblem::move_to(const Eigen::Ref<const Eigen::VectorXd>& impulses) no
     for (const int dof : *row.dofs) w_[dof] += row.x * Z_(0, column++);
   }
   for (int i = 0; i < contact_count_; ++i) {
-    Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    SweptContact& contact = contacts_[static_cast<std::size_t>(i)];
     contact.x = impulses.segment<3>(bounded_count_ + 3 * i);
     contact.x[0] = std::max(0.0, contact.x[0]);
     const double limit = friction_ * contact.x[0], across = contact.x.tail<2>().norm();
@@ -210,19 +225,31 @@ void SweepProblem::move_to(const Eigen::Ref<const Eigen::VectorXd>& impulses) no
   }
 }
 
+// Largest impulse of a bounded row or along a normal.
+double SweepProblem::largest_push() const noexcept {
+  double push = 0;
+  for (int i = 0; i < bounded_count_; ++i)
+    push = std::max(push, std::abs(bounded_[static_cast<std::size_t>(i)].x));
+  for (int i = 0; i < contact_count_; ++i) push = std::max(push, contacts_[static_cast<std::size_t>(i)].x[0]);
+  return push;
+}
+
 int SweepProblem::converge(int max_sweeps, double share) noexcept {
   begin_mixing();
   auto before = before_.head(rows()), after = after_.head(rows());
-  w_.setZero();
+  begin_sweeps();
   int count = 0;
   gather(before);
   while (count < max_sweeps) {
-    const Change change = sweep_once(true);
+    sweep_once(true);
     ++count;
-    if (change.impulse <= share * change.largest) break;
+    if (many()) lookahead_.get_impulses(swept());
     gather(after);
-    if (mixer_.replace(before, after, change.impulse)) {
+    const double change = rows() > 0 ? (after - before).cwiseAbs().maxCoeff() : 0;
+    if (change <= share * largest_push()) break;
+    if (mixer_.replace(before, after, change)) {
       move_to(after);
+      if (many()) lookahead_.set_impulses(swept());
       gather(before);  // as the law has it
     } else {
       before = after;

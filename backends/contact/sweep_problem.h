@@ -8,7 +8,9 @@
 
 #include "backends/contact/anderson_mixing.h"
 #include "backends/contact/impulse_bounds.h"
+#include "backends/contact/lookahead_sweep.h"
 #include "backends/contact/sparse_symmetric.h"
+#include "backends/contact/swept_contact.h"
 #include "physics/robot/state.h"
 
 namespace crossgait::contact {
@@ -50,12 +52,6 @@ class SweepProblem {
   double bounded_impulse(int i) const noexcept { return bounded_[static_cast<std::size_t>(i)].x; }
 
  private:
-  struct Contact {
-    const std::vector<int>* dofs;  // that it reaches
-    int first;                     // column of Z_
-    Vector3 R, b, x;
-    double normal_step, tangent_step;  // impulse per velocity
-  };
   struct Bounded {
     const std::vector<int>* dofs;
     int first;
@@ -63,30 +59,32 @@ class SweepProblem {
     ImpulseBounds bounds;
     double step, x;
   };
-  struct Change {
-    double velocity = 0, impulse = 0, largest = 0;
-  };
 
   const std::vector<int>& reach(std::span<const int> dofs) const noexcept;
-  Change sweep_once(bool bounded_forward) noexcept;
-  void sweep_bounded(bool forward, Change& change) noexcept;
-  void sweep_normals(Change& change) noexcept;
-  void sweep_tangents(Change& change) noexcept;
+  bool many() const noexcept;
+  std::span<SweptContact> swept() noexcept;
+  void begin_sweeps() noexcept;
+  double sweep_once(bool bounded_forward) noexcept;
+  double sweep_bounded(bool forward) noexcept;
+  double sweep_normals() noexcept;
+  double sweep_tangents() noexcept;
   Eigen::Index rows() const noexcept { return bounded_count_ + 3 * contact_count_; }
   void begin_mixing() noexcept;
   void gather(Eigen::Ref<Eigen::VectorXd> impulses) const noexcept;
+  double largest_push() const noexcept;
   void move_to(const Eigen::Ref<const Eigen::VectorXd>& impulses) noexcept;
   void finish() noexcept;
 
   double friction_, mixing_;
   int columns_ = 0, contact_count_ = 0, bounded_count_ = 0;
-  std::array<Contact, kMaxContacts> contacts_;
+  std::array<SweptContact, kMaxContacts> contacts_;
   std::array<Bounded, kMaxBoundedRows> bounded_;
   const SparseSymmetric* held_ = nullptr;
   std::vector<std::vector<int>> reach_;  // by the last dof of a row's
   PointJacobian row_;
   Eigen::Matrix3Xd Z_;
   DofVector w_, u_;
+  LookaheadSweep lookahead_;  // of many contacts
   AndersonMixing mixer_;
   Eigen::VectorXd before_, after_;  // impulses of all rows: bounded ones, then contacts
 };
