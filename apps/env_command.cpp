@@ -7,6 +7,7 @@
 #include "apps/env_options.h"
 #include "physics/core/schema.h"
 #include "physics/core/table.h"
+#include "study/notes.h"
 
 namespace crossgait::apps {
 namespace {

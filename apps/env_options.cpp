@@ -1,14 +1,12 @@
 #include "apps/env_options.h"
 
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include "backends/registry.h"
-#include "gait/scale.h"
 #include "policy/bundled_policies.h"
-#include "study/robot_quantities.h"
+#include "study/notes.h"
 #include "study/run_spec.h"
 
 namespace crossgait::apps {
@@ -135,28 +133,6 @@ EnvConfig environment_of(const std::string& env, const std::string& policy) {
   if (file.empty())
     throw ConfigError("command line", "--env", "the environment of a policy that is no folder", "none");
   return load_env_config(file);
-}
-
-std::vector<std::string> notes_on(const LoadedEnv& environment) {
-  const EnvConfig& config = environment.config;
-  RobotDescription robot = *environment.robot;
-  config.servos.apply(robot, config.source);
-  for (Body& body : robot.bodies) {  // whose torques are computed in every step: no gains that could swing
-    if (config.action == ActionKind::kJoints && config.joints.computes_torque(body.joint.name))
-      body.joint.kp = body.joint.kd = 0;
-  }
-  std::vector<std::string> notes =
-      step_warnings(robot, resolve_contact(robot.contact, config.contact, config.source), config.physics_dt);
-  if (config.action == ActionKind::kJoints) return notes;
-  const GaitScale scale = gait_scale(*environment.robot);
-  GaitParameters usual = scaled(find_gait(config.gait), scale).preferred;
-  const GaitParameters initial = config.parameters.over(usual);
-  // Like nothing: of what adapts there is a note also where it is the gait's own.
-  for (const std::string& name : config.adapt)
-    usual.*find_parameter(name).member = std::numeric_limits<double>::quiet_NaN();
-  for (std::string& note : parameter_notes(initial, usual, scaled(config.adaptation, scale)))
-    notes.push_back(std::move(note));
-  return notes;
 }
 
 nlohmann::json policy_subject(const LoadedEnv& environment, const std::vector<std::string>& policies,

@@ -52,10 +52,6 @@ LoadedEnv load_with_warnings(const EnvConfig& config);
 /// @throws ConfigError where there is neither, or none that can be read
 EnvConfig environment_of(const std::string& env, const std::string& policy);
 
-/// Returns a sentence for every parameter that begins outside its range: one that adapts, or one that is not
-/// as the gait prefers it.
-std::vector<std::string> notes_on(const LoadedEnv& environment);
-
 /// Describes what policies are looked at in, for their provenance. @param seed  of the episodes
 nlohmann::json policy_subject(const LoadedEnv& environment, const std::vector<std::string>& policies,
                               std::uint64_t seed);

@@ -5,6 +5,7 @@
 #include "apps/env_options.h"
 #include "physics/core/error.h"
 #include "policy/bundled_policies.h"
+#include "study/notes.h"
 
 namespace crossgait::apps {
 

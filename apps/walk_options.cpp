@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
-#include "study/robot_quantities.h"
+#include "study/notes.h"
 #include "study/run_spec.h"
 
 namespace crossgait::apps {
@@ -83,17 +83,14 @@ LoadedWalk WalkOptions::make() const {
                       error.found());
   }
   const auto robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
-  print_notes(
-      step_warnings(*robot, resolve_contact(robot->contact, made.contact, "walk"), config.physics_dt));
   const GaitScale scale = gait_scale(*robot);
   made.gait = choose_gait(gait, settings, velocity_command(), scale);
-  print_notes(parameter_notes(made.gait.parameters,
-                              choose_gait(gait, {}, velocity_command(), scale).parameters,
-                              scaled(AdaptationRanges(), scale)));
   made.compensation = !plain_servos;
   made.heading_hold = !open_loop;
   made.terminations = OutcomeSet::of_names(terminations);
-  return {made, robot};
+  LoadedWalk loaded(made, robot);
+  print_notes(notes_on(loaded, choose_gait(gait, {}, velocity_command(), scale).parameters));
+  return loaded;
 }
 
 nlohmann::json WalkOptions::subject(const LoadedWalk& walk) {

@@ -6,6 +6,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "backends/registry.h"
 #include "env/env_config_json.h"
@@ -16,6 +17,7 @@
 #include "python/bindings/robot.h"
 #include "python/bindings/shown.h"
 #include "python/bindings/terms.h"
+#include "study/notes.h"
 
 namespace crossgait::python {
 namespace {
@@ -293,6 +295,10 @@ void bind_saying(nb::class_<EnvConfig>& c) {
       .def(
           "resolved", [](const EnvConfig& config) { return EnvModel::make(config)->resolved(); },
           "The same with everything set that follows from the robot. Raises ConfigError.")
+      .def_prop_ro(
+          "notes", [](const EnvConfig& config) { return notes_on(config); },
+          "What is limited or doubtful in it, a sentence each: whatever makes or runs it warns of it by "
+          "`crossgait.Note`.")
       .def("__repr__",
            [](const EnvConfig& config) {
              return fmt::format("EnvironmentConfig.from_dict({})",

@@ -15,6 +15,7 @@
 #include "physics/core/error.h"
 #include "physics/robot_files/data_path.h"
 #include "python/bindings/inputs.h"
+#include "study/notes.h"
 
 namespace crossgait::python {
 namespace {
@@ -127,6 +128,12 @@ constexpr const char* kWalkConstructor =
     "0.002, settle: float = 0.5, compensation: bool = True, heading_hold: bool = True, terminations: "
     "collections.abc.Sequence[str] = ['left_terrain']) -> None";
 
+std::vector<std::string> notes(const PythonWalk& walk) {
+  const LoadedWalk loaded = walk;
+  const GaitScale scale = gait_scale(*loaded.world.robot);
+  return notes_on(loaded, choose_gait(walk.said.gait, {}, walk.gait.command, scale).parameters);
+}
+
 // Three numbers, or a mapping as environments have it.
 Velocity velocity_of(nb::handle command) {
   if (command.is_none()) return std::nullopt;
@@ -164,6 +171,10 @@ void bind_reading(nb::class_<PythonWalk>& c) {
       .def_prop_ro(
           "parameters", [](const PythonWalk& w) { return parameters_of(w); },
           nb::sig("def parameters(self) -> dict[str, float]"), "Parameters of the gait, all of them.")
+      .def_prop_ro(
+          "notes", &notes,
+          "What is limited or doubtful in it, a sentence each: `walk`, `compare` and `verdict` warn of "
+          "it by `crossgait.Note`.")
       .def(
           "environment", [](const PythonWalk& w) { return w.environment(); },
           "The environment in which the zero policy walks like this. Raises ConfigError for what an "

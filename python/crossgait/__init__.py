@@ -41,6 +41,7 @@ from crossgait._core import (
 from crossgait.consent import trust
 from crossgait.errors import ConfigError
 from crossgait.importing import Imported, import_policy
+from crossgait.notes import Note
 from crossgait.policies import Policy
 from crossgait.serving import serve_engine
 from crossgait.signatures import tell_signatures
@@ -95,6 +96,7 @@ __all__ = [
     "Imported",
     "Leg",
     "Matrix",
+    "Note",
     "Policy",
     "Result",
     "Robot",

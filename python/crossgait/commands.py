@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from types import FrameType
 
 from crossgait.errors import ConfigError
+from crossgait.notes import notes_said
 
 WRONG_INPUT, INTERRUPTED = 2, 130  #: exit codes, as of `crossgait`
 
@@ -51,7 +52,7 @@ def exit_code(name: str, work: Callable[[], int], interrupted: str = "") -> int:
 
     """
     try:
-        with _ended_by_sigterm():
+        with _ended_by_sigterm(), notes_said(lambda note: say(f"{name}: note: {note}", error=True)):
             return work()
     except ConfigError as error:
         say(f"{name}: {error}", error=True)

@@ -18,6 +18,7 @@ from crossgait.envs.seeds import episode_seed, refuse_options
 from crossgait.envs.spaces import action_array, action_space, observation_dtype, observation_space
 from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
+from crossgait.notes import tell_notes
 from crossgait.terms import Terms
 
 if TYPE_CHECKING:
@@ -83,6 +84,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         """
         made = make_config(self.action, config, {"engine": engine, "terrain": terrain} | keys, terms)
         self.core = _core.Environment(made)
+        tell_notes(made)
         self.batch = self.core.batch()
         self.layout = EnvironmentLayout.of(self.core)
         self._dtype = observation_dtype(dtype)

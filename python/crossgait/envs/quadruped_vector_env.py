@@ -24,6 +24,7 @@ from crossgait.envs.termed_vector import TermedVectorEnvironment
 from crossgait.errors import ConfigError
 from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
+from crossgait.notes import tell_notes
 from crossgait.terms import Terms
 from crossgait.terms.configuration import group_width
 
@@ -115,6 +116,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             raise ConfigError("vector environment", "num_envs", "at least 1", str(num_envs))
         if workers is None:
             workers = min(num_envs, len(os.sched_getaffinity(0)))
+        tell_notes(made)
         self.core: _core.VectorEnvironment | TermedVectorEnvironment
         if made.terms is None:
             self.core = _core.VectorEnvironment(made, num_envs, workers=workers, auto_reset=_AUTO_RESET[mode])

@@ -22,6 +22,7 @@ from crossgait.inputs import (
     as_policy,
     environment_for,
 )
+from crossgait.notes import tell_notes
 from crossgait.progress import Progress, ProgressBar, shown
 
 #: A gait's name, a `Walk` or a `Controller`; or a policy in its environment.
@@ -77,16 +78,21 @@ def subject_of(subject: Any, environment: Any, said: Mapping[str, Any], study: s
         options["contact"] = contact_text(options["contact"])
     if _is_policy(subject, environment):
         config = environment_for(environment, subject, source=study)
-        return PolicyWalk(as_policy(subject, study), _with_options(config, _with_command(options, study), study))
+        config = _with_options(config, _with_command(options, study), study)
+        tell_notes(config)
+        return PolicyWalk(as_policy(subject, study), config)
     if environment is not None:
         raise ConfigError(study, "environment", "none beside a gait, a Walk or a Controller", "one")
     if isinstance(subject, str):
-        return _walk_of(subject, _with_command(options, study), study)
+        named = _walk_of(subject, _with_command(options, study), study)
+        tell_notes(named)
+        return named
     if not isinstance(subject, (Walk, Controller)):
         expected = "a gait's name, a Walk, a Controller, or a policy (a name, a file, a Policy or a FunctionPolicy)"
         raise ConfigError(study, "subject", expected, type(subject).__name__)
     if options:
         raise TypeError(f"a {type(subject).__name__} says itself what {', '.join(options)} are")
+    tell_notes(subject)
     return subject
 
 

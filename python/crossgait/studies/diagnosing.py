@@ -20,6 +20,7 @@ from crossgait.inputs import (
     as_policy,
     environment_for,
 )
+from crossgait.notes import tell_notes
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, worker_count
 from crossgait.studies.results import Diagnosis
@@ -56,6 +57,7 @@ def diagnose(
 
     """
     config = environment_for(environment, policy, source="diagnose")
+    tell_notes(config)
     home = None if home_engine is None else as_engine(home_engine, "diagnose")
     fields = as_names(unstated or (), "diagnose", "unstated")
     with ProgressShown(progress) as told, file_of(policy, "diagnose") as file:

@@ -22,6 +22,7 @@ from crossgait.inputs import (
     name_in_results,
     terrain_texts,
 )
+from crossgait.notes import tell_notes
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, all_engines, worker_count
 from crossgait.studies.results import CourseResult, Rollout, Transfer, Tuning
@@ -54,6 +55,7 @@ def rollout(
     """
     chosen = as_policies(policies, "rollout")
     config = environment_for(environment, *chosen, source="rollout")
+    tell_notes(config)
     known = [as_policy(policy, "rollout") for policy in chosen]
     check_names_apart([name_in_results(policy, "rollout") for policy in chosen], "rollout")
     with ProgressShown(progress) as told:
@@ -87,6 +89,7 @@ def transfer(
 
     """
     config = environment_for(environment, policy, source="transfer")
+    tell_notes(config)
     names = all_engines(engines, "transfer")
     grounds = terrain_texts(terrains, "transfer")
     with ProgressShown(progress) as told:
@@ -124,6 +127,7 @@ def course(
 
     """
     config = environment_for(environment, policy, source="course")
+    tell_notes(config)
     names = [config.engine] if engines is None else as_engines(engines, "course")
     chosen, of_course = as_policy(policy, "course"), as_names(sections, "course", "sections")
     with ProgressShown(progress) as told:
@@ -153,6 +157,7 @@ def tune(
     lowest; `terrains` and `unseen` are then runs of its sections.
     """
     config = as_environment({} if environment is None else environment, "tune")
+    tell_notes(config)
     names = all_engines(engines, "tune")
     of_course = None if course is None else os.fspath(course)
     with ProgressShown(progress) as told:

@@ -21,6 +21,7 @@ from crossgait.inputs import (
     as_policies,
     environment_for,
 )
+from crossgait.notes import tell_notes
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, all_engines, worker_count
 from crossgait.studies.diagnosing import file_of
@@ -115,6 +116,7 @@ def _scored(
         rows = []
         for policy, name in zip(chosen, names, strict=True):
             config = environment_for(environment, policy, source=study)
+            tell_notes(config)
             if config.action != "joints":
                 raise ConfigError(study, "action", "joints: what a score asks for is commanded to them", config.action)
             if is_checkpoint(policy):

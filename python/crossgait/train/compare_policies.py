@@ -25,6 +25,7 @@ from crossgait.inputs import (
     name_in_results,
     terrain_texts,
 )
+from crossgait.notes import tell_notes
 from crossgait.policies import Policy
 from crossgait.policies.environment import environment_of
 from crossgait.train.evaluation import evaluate, failures
@@ -71,6 +72,7 @@ def compare_policies(
         raise ConfigError("compare_policies", "episodes", "at least 1", str(episodes))
     chosen = as_policies(policies, "compare_policies")
     asked = environment_for(environment, *chosen, source="compare_policies")
+    tell_notes(asked)
     by_name = {name_in_results(policy, "compare_policies"): policy for policy in chosen}
     where = as_engines(engines, "compare_policies") if engines else _core.available_engines()
     cells = []

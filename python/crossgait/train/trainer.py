@@ -15,6 +15,7 @@ from stable_baselines3.common.utils import set_random_seed
 
 from crossgait._core import derived_seed
 from crossgait.errors import ConfigError
+from crossgait.notes import tell_notes
 from crossgait.sweep.pool import ProcessPool, usable_cores
 from crossgait.train import checkpoint, evaluation, record
 from crossgait.train.environments import TrainingEnvs
@@ -110,6 +111,7 @@ class Trainer:
             expected = "what the run goes on from; it cannot be made again from the rest"
             raise ConfigError(str(folder / CHECKPOINT), "file", expected, "none")
         self.plan, self.folder, self._title = plan, folder, title
+        tell_notes(plan.stages[0].environment)
         if learner is None:
             describe(folder, plan)
         self.learner = learner or WholePolicy(plan)
