@@ -39,29 +39,64 @@ VectorEnv::VectorEnv(const EnvConfig& config, const Engine& engine, const Vector
 
 void VectorEnv::begin_episode(std::size_t i, std::span<double> observation) {
   Slot& slot = slots_[i];
-  environments_[i]->reset(derived_seed(slot.seed, slot.episode), observation);
+  environments_[i]->reset(slot.episode_seed(slot.episode), observation);
   ++slot.episode;
   ++slot.episodes;
   slot.ended = false;
 }
 
+void VectorEnv::begin_anew(std::size_t i, std::uint64_t seed, bool is_first_seed,
+                           std::span<double> observations) {
+  Slot& slot = slots_[i];
+  slot.seed = seed;
+  slot.is_first_seed = is_first_seed;
+  slot.episode = 0;
+  begin_episode(i, row(observations, i));
+}
+
 void VectorEnv::reset(std::uint64_t seed, std::span<double> observations) {
   check_size(kVectorEnv, "observations", observations.size(), size() * observation_size());
   ++revision_;
-  pool_.run(size(), [&](std::size_t i) {
-    slots_[i].seed = derived_seed(seed, i);
-    slots_[i].episode = 0;
-    begin_episode(i, row(observations, i));
-  });
+  pool_.run(size(), [&](std::size_t i) { begin_anew(i, derived_seed(seed, i), false, observations); });
 }
 
-void VectorEnv::reset_some(std::span<const std::uint8_t> which, std::span<double> observations) {
+void VectorEnv::reset(std::span<const std::uint64_t> seeds, std::span<double> observations) {
+  check_size(kVectorEnv, "seeds", seeds.size(), size());
+  check_size(kVectorEnv, "observations", observations.size(), size() * observation_size());
+  ++revision_;
+  pool_.run(size(), [&](std::size_t i) { begin_anew(i, seeds[i], true, observations); });
+}
+
+void VectorEnv::check_some(std::span<const std::uint8_t> which, std::span<double> observations) const {
   check_size(kVectorEnv, "which", which.size(), size());
   check_size(kVectorEnv, "observations", observations.size(), size() * observation_size());
   if (slots_.front().episode == 0) throw ConfigError(kVectorEnv, "reset_some", "a reset before it", "none");
+}
+
+void VectorEnv::reset_some(std::span<const std::uint8_t> which, std::span<double> observations) {
+  check_some(which, observations);
   ++revision_;
   pool_.run(size(), [&](std::size_t i) {
     if (which[i] != 0) begin_episode(i, row(observations, i));
+  });
+}
+
+void VectorEnv::reset_some(std::span<const std::uint8_t> which, std::uint64_t seed,
+                           std::span<double> observations) {
+  check_some(which, observations);
+  ++revision_;
+  pool_.run(size(), [&](std::size_t i) {
+    if (which[i] != 0) begin_anew(i, derived_seed(seed, i), false, observations);
+  });
+}
+
+void VectorEnv::reset_some(std::span<const std::uint8_t> which, std::span<const std::uint64_t> seeds,
+                           std::span<double> observations) {
+  check_some(which, observations);
+  check_size(kVectorEnv, "seeds", seeds.size(), size());
+  ++revision_;
+  pool_.run(size(), [&](std::size_t i) {
+    if (which[i] != 0) begin_anew(i, seeds[i], true, observations);
   });
 }
 
@@ -112,7 +147,7 @@ void VectorEnv::step_one(std::size_t i, std::span<const double> actions, const V
 std::uint64_t VectorEnv::episode_seed(std::size_t i) const {
   const Slot& slot = slots_.at(i);
   if (slot.episode == 0) throw ConfigError(kVectorEnv, "episode_seed", "a reset before it", "none");
-  return derived_seed(slot.seed, slot.episode - 1);
+  return slot.episode_seed(slot.episode - 1);
 }
 
 std::uint64_t VectorEnv::diverged() const noexcept {

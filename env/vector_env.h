@@ -70,11 +70,18 @@ class VectorEnv {
 
   /// Begins an episode everywhere. @throws ConfigError for a wrong size or an impossible draw
   void reset(std::uint64_t seed, std::span<double> observations);
+  /// Begins an episode everywhere, that of environment i as QuadrupedEnv::reset(seeds[i]) does; its k-th,
+  /// from 0, draws from derived_seed of that and k where k > 0.
+  void reset(std::span<const std::uint64_t> seeds, std::span<double> observations);
 
   /// Begins the next episode of those that `which` has a 1 for; other rows of `observations` stay as they
   /// are.
   /// @throws ConfigError as `reset` does, and before the first
   void reset_some(std::span<const std::uint8_t> which, std::span<double> observations);
+  /// Begins an episode of those as `reset` of the same seed, or seeds, does; others' seeds are not looked at.
+  void reset_some(std::span<const std::uint8_t> which, std::uint64_t seed, std::span<double> observations);
+  void reset_some(std::span<const std::uint8_t> which, std::span<const std::uint64_t> seeds,
+                  std::span<double> observations);
 
   /// Ends an episode between two steps, as QuadrupedEnv::end_episode does: the next step says so, without a
   /// reward, and begins another one as after any end.
@@ -99,8 +106,15 @@ class VectorEnv {
  private:
   struct Slot {
     std::uint64_t seed = 0, episode = 0, episodes = 0, diverged = 0;
+    bool is_first_seed = false;  // `seed` is that of episode 0 itself
     bool ended = false;
+
+    std::uint64_t episode_seed(std::uint64_t of) const noexcept {
+      return is_first_seed && of == 0 ? seed : derived_seed(seed, of);
+    }
   };
+  void begin_anew(std::size_t i, std::uint64_t seed, bool is_first_seed, std::span<double> observations);
+  void check_some(std::span<const std::uint8_t> which, std::span<double> observations) const;
   void begin_episode(std::size_t i, std::span<double> observation);
   void step_one(std::size_t i, std::span<const double> actions, const VectorStep& out);
   std::span<double> row(std::span<double> matrix, std::size_t i) const noexcept {

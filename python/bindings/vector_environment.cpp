@@ -1,5 +1,13 @@
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
 #include <fmt/format.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
 
 #include "backends/registry.h"
 #include "env/vector_env.h"
@@ -68,11 +76,14 @@ VectorEnvironment make(const EnvConfig& config, std::size_t environments, const 
   return made;
 }
 
-nb::object reset(VectorEnvironment& self, std::uint64_t seed) {
+// One from which every environment's follows, or each its own.
+using Seeds = std::variant<std::uint64_t, std::vector<std::uint64_t>>;
+
+nb::object reset(VectorEnvironment& self, const Seeds& seeds) {
   const std::size_t size = self.envs->size() * self.envs->observation_size();
   const NewArray<double> observations(self.envs->size(), self.envs->observation_size());
   work_at(identity_of(self), [&](Interruption&) {
-    self.envs->reset(seed, {observations.data, size});
+    std::visit([&](const auto& s) { self.envs->reset(s, {observations.data, size}); }, seeds);
     self.find_outside(observations.data, self.outside);
     std::fill(self.ended.begin(), self.ended.end(), 0);
   });
@@ -118,11 +129,16 @@ std::span<double> rows_of(const VectorEnvironment& self, const AnyArray& which, 
   return {array.data(), count * width};
 }
 
-void reset_some(VectorEnvironment& self, const AnyArray& which, const Observations& observations) {
+void reset_some(VectorEnvironment& self, const AnyArray& which, const Observations& observations,
+                const std::optional<Seeds>& seeds) {
   const std::span<double> rows = rows_of(self, which, observations);
   const std::span flags(static_cast<const std::uint8_t*>(which.data()), which.size());
   work_at(identity_of(self), [&](Interruption&) {
-    self.envs->reset_some(flags, rows);
+    if (seeds) {
+      std::visit([&](const auto& s) { self.envs->reset_some(flags, s, rows); }, *seeds);
+    } else {
+      self.envs->reset_some(flags, rows);
+    }
     self.find_outside(rows.data(), self.outside);
   });
 }
@@ -201,8 +217,10 @@ void bind_vector_environment(nb::module_& m) {
                    }),
                    nb::sig("def action_layout(self) -> list[tuple[str, str, float, float, float, float]]"))
       .def("reset", guarded(&reset), nb::arg("seed"),
-           nb::sig("def reset(self, seed: int) -> numpy.typing.NDArray[numpy.float64]"),
-           "Begins an episode everywhere; observations are a new array, one row per environment.")
+           nb::sig("def reset(self, seed: int | collections.abc.Sequence[int]) -> "
+                   "numpy.typing.NDArray[numpy.float64]"),
+           "Begins an episode everywhere, of one seed from which each follows, or of one each, with which a "
+           "single environment begins the same; observations are a new array, one row per environment.")
       .def("step", guarded(&step), nb::arg("actions"),
            nb::sig("def step(self, actions: numpy.typing.NDArray[typing.Any]) -> "
                    "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], "
@@ -214,11 +232,12 @@ void bind_vector_environment(nb::module_& m) {
            "episode ended in "
            "this step, and mean nothing elsewhere; with next_step it is None. Raises ConfigError.")
       .def("reset_some", guarded(&reset_some), nb::arg("which"), nb::arg("observations").noconvert(),
+           nb::arg("seed") = nb::none(),
            nb::sig("def reset_some(self, which: numpy.typing.NDArray[numpy.bool_], observations: "
-                   "numpy.typing.NDArray[numpy.float64]) -> None"),
-           "Begins the next episode of those, and writes their rows of `observations`, the caller's float64 "
-           "array. "
-           "Raises ConfigError.")
+                   "numpy.typing.NDArray[numpy.float64], seed: int | collections.abc.Sequence[int] | None = "
+                   "None) -> None"),
+           "Begins the next episode of those, or that of a seed as `reset` does, and writes their rows of "
+           "`observations`, the caller's float64 array. Raises ConfigError.")
       .def("observe_start", guarded(&observe_start), nb::arg("which"), nb::arg("observations").noconvert(),
            nb::sig("def observe_start(self, which: numpy.typing.NDArray[numpy.bool_], observations: "
                    "numpy.typing.NDArray[numpy.float64]) -> None"),

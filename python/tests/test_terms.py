@@ -72,14 +72,51 @@ def drawn(envs: crossgait.envs.JointControlVectorEnv, step: int) -> np.ndarray:
     return np.random.default_rng(step).uniform(-1, 1, shape)
 
 
-@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
 def test_terms_that_say_nothing_change_no_bit(mode: str) -> None:
     silent = terms.Terms(rewards={"nothing": terms.RewardTerm(nothing)})
-    plain, termed = make(3, None, autoreset_mode=mode), make(3, silent, autoreset_mode=mode)
+    plain, termed = (make(3, own, autoreset_mode=mode, max_episode_steps=7) for own in (None, silent))
     assert np.array_equal(plain.reset(seed=3)[0], termed.reset(seed=3)[0])
+    ends = 0
     for step in range(25):
-        for a, b in zip(plain.step(drawn(plain, step))[:4], termed.step(drawn(termed, step))[:4], strict=True):
+        results = plain.step(drawn(plain, step)), termed.step(drawn(termed, step))
+        for a, b in zip(results[0][:4], results[1][:4], strict=True):
             assert np.array_equal(a, b), step
+        ended = results[0][2] | results[0][3]
+        ends += int(ended.any())
+        if mode == "Disabled" and ended.any():
+            a, b = (envs.reset(options={"reset_mask": ended})[0] for envs in (plain, termed))
+            assert np.array_equal(a, b), step
+    assert ends > 2
+
+
+def test_a_mask_begins_episodes_of_terms_and_leaves_the_others() -> None:
+    """Curricula are told of those alone, events act on them, and rows of others stay as they were."""
+    told: list[list[int]] = []
+    lifted: list[list[int]] = []
+
+    def levels(env: Any, ended: np.ndarray) -> None:
+        told.append(ended.tolist())
+
+    def lift(env: Any, begun: np.ndarray) -> None:
+        lifted.append(begun.tolist())
+
+    mine = terms.Terms(
+        rewards={"forward": terms.RewardTerm(forward)},
+        events={"lift": terms.EventTerm(lift, mode="reset")},
+        curriculum={"levels": terms.CurriculumTerm(levels)},
+    )
+    envs = make(3, mine, autoreset_mode="Disabled")
+    envs.reset(seed=1)
+    seen, *_ = envs.step(drawn(envs, 0))
+    mask = np.array([False, True, False])
+    again, infos = envs.reset(options={"reset_mask": mask})
+    assert told == [[1]]
+    assert lifted == [[0, 1, 2], [1]]
+    assert again[[0, 2]].tobytes() == seen[[0, 2]].tobytes()
+    assert not np.array_equal(again[1], seen[1])
+    assert infos["reward_terms"]["forward"].tolist()[1] == 0
+    assert infos["_time"].tolist() == mask.tolist()
 
 
 def test_one_environment_and_a_vector_of_one_are_the_same() -> None:

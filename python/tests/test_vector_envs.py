@@ -116,10 +116,104 @@ def test_further_resets_follow_from_the_seed() -> None:
     seen = [[envs.reset(seed=s)[0].tobytes() for s in (1, None, None)] for envs in (one, other)]
     assert seen[0] == seen[1]
     assert len(set(seen[0])) == 3
-    with pytest.raises(ConfigError, match="one integer"):
-        one.reset(seed=[1, 2])  # type: ignore[arg-type]
-    with pytest.raises(ConfigError, match="options"):
-        one.reset(options={"reset_mask": np.array([True, False])})
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "bullet"])
+def test_without_resets_of_its_own_it_is_what_gymnasium_makes(engine: str) -> None:
+    """Episodes are begun by masks, with seeds of each: equal to the last bit."""
+    count = 3
+    native = make_native(count, engine=engine, autoreset_mode=AutoresetMode.DISABLED, workers=2, **SHORT)
+    singles = [lambda: gymnasium.make(GAIT, engine=engine, disable_env_checker=True, **SHORT)] * count
+    sync = SyncVectorEnv(singles, autoreset_mode=AutoresetMode.DISABLED)
+    assert native.metadata["autoreset_mode"] == AutoresetMode.DISABLED
+    assert data_equivalence(native.reset(seed=[5, 6, 7]), sync.reset(seed=[5, 6, 7]), exact=True)
+    begun = 0
+    for step, actions in enumerate(random_actions(native, 40)):
+        a, b = native.step(actions), sync.step(actions)
+        assert data_equivalence(a, b, exact=True)
+        ended = a[2] | a[3]
+        if ended.any():
+            seeds: list[int | None] = [100 * step + i for i in range(count)]
+            a[0][:] = np.nan  # the caller's to do with as they like
+            again = native.reset(seed=seeds, options={"reset_mask": ended})
+            observations, _ = sync.reset(seed=seeds, options={"reset_mask": ended.copy()})
+            assert again[0].tobytes() == observations.tobytes()
+            assert again[1]["_time"].tolist() == ended.tolist()
+            begun += int(ended.sum())
+    assert begun > 2 * count
+
+
+def test_the_next_episodes_of_a_mask_are_those_that_would_have_followed() -> None:
+    masked = make_native(2, autoreset_mode="Disabled", **SHORT)
+    same_step = make_native(2, autoreset_mode="SameStep", **SHORT)
+    assert masked.reset(seed=3)[0].tobytes() == same_step.reset(seed=3)[0].tobytes()
+    begun = 0
+    for actions in random_actions(masked, 20):
+        _, rewards, terminated, truncated, _ = masked.step(actions)
+        observations, as_told, *flags, _ = same_step.step(actions)
+        assert rewards.tobytes() == as_told.tobytes()
+        assert [flag.tolist() for flag in flags] == [terminated.tolist(), truncated.tolist()]
+        if (ended := terminated | truncated).any():
+            assert masked.reset(options={"reset_mask": ended})[0][ended].tobytes() == observations[ended].tobytes()
+            assert masked.episode_seeds.tolist() == same_step.episode_seeds.tolist()
+            begun += 1
+    assert begun > 1
+
+
+def test_a_seed_beside_a_mask_begins_what_it_begins_everywhere() -> None:
+    every, some = (make_native(3, **SHORT) for _ in range(2))
+    expected, _ = every.reset(seed=9)
+    first, _ = some.reset(seed=1)
+    mask = np.array([True, False, True])
+    seen, _ = some.reset(seed=9, options={"reset_mask": mask})
+    assert seen[mask].tobytes() == expected[mask].tobytes()
+    assert seen[1].tobytes() == first[1].tobytes()
+
+
+def test_seeds_of_each_are_those_of_single_environments() -> None:
+    envs = make_native(3, **SHORT)
+    seeds = [4, 2**64 - 1, None]
+    observations, _ = envs.reset(seed=seeds)
+    assert envs.episode_seeds[:2].tolist() == seeds[:2]
+    single = gymnasium.make(GAIT, **SHORT).unwrapped
+    for i, seed in enumerate(envs.episode_seeds):
+        assert single.reset(seed=int(seed))[0].tobytes() == observations[i].tobytes()
+    assert envs.reset(seed=np.array([1, 2, 3]))[0].tobytes() == envs.reset(seed=[1, 2, 3])[0].tobytes()
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"seed": [1, 2]}, "seed: expected an integer, or 3 of them, found 2"),
+        ({"seed": [1, -2, 3]}, "seed: expected integers of 0 to 2.64 - 1, or None, found -2"),
+        ({"seed": [1, 2.5, 3]}, "found 2.5"),
+        ({"seed": [True, 2, 3]}, "found True"),
+        ({"options": {"reset_mask": [True, False, False]}}, "a NumPy array of bool of shape .3,., at least one"),
+        ({"options": {"reset_mask": np.zeros(3, np.bool_)}}, "at least one of them True"),
+        ({"options": {"reset_mask": np.ones(2, np.bool_)}}, "of shape .3,."),
+        ({"options": {"mask": np.ones(3, np.bool_)}}, "options: expected reset_mask alone, found mask"),
+    ],
+)
+def test_wrong_seeds_and_masks_are_refused(asked: dict[str, Any], words: str) -> None:
+    envs = make_native(3, **SHORT)
+    with pytest.raises(ConfigError, match="reset_mask: expected a reset of all before it"):
+        envs.reset(options={"reset_mask": np.ones(3, np.bool_)})
+    envs.reset(seed=0)
+    with pytest.raises(ConfigError, match=words):
+        envs.reset(**asked)
+
+
+def test_without_resets_of_its_own_nothing_is_stepped_beyond_an_end() -> None:
+    envs = make_native(2, autoreset_mode=AutoresetMode.DISABLED, **SHORT)
+    envs.reset(seed=0)
+    ended = np.zeros(2, np.bool_)
+    while not ended.any():
+        _, _, terminated, truncated, _ = envs.step(np.zeros(envs.action_space.shape))
+        ended = terminated | truncated
+    with pytest.raises(ConfigError, match=f"of those whose episode has ended, found {ended.sum()} that have"):
+        envs.step(np.zeros(envs.action_space.shape))
+    envs.reset(options={"reset_mask": ended})
+    envs.step(np.zeros(envs.action_space.shape))
 
 
 def test_asynchronous_ones_of_gymnasium_are_synchronous_ones() -> None:
@@ -160,7 +254,7 @@ def test_settings() -> None:
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"autoreset_mode": AutoresetMode.DISABLED}, "NextStep or SameStep"),
+        ({"autoreset_mode": "never"}, "NextStep, SameStep or Disabled"),
         ({"num_envs": 0}, "num_envs: expected at least 1"),
         ({"workers": 0}, "workers"),
         ({"terrain": "moon"}, "moon"),

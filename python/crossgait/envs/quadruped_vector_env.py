@@ -18,9 +18,9 @@ from crossgait.envs.described import described
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_env import Observation
 from crossgait.envs.render_mode import Drawn, known_camera, known_render_mode
-from crossgait.envs.seeds import episode_seed, refuse_options
+from crossgait.envs.seeds import episode_seed, episode_seeds, reset_mask
 from crossgait.envs.spaces import action_array, action_space, observation_dtype, observation_space
-from crossgait.envs.termed_vector import TermedVectorEnvironment
+from crossgait.envs.termed_vector import TermedVectorEnvironment, of_those
 from crossgait.errors import ConfigError
 from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
@@ -35,13 +35,17 @@ if TYPE_CHECKING:
 
 Flags = npt.NDArray[np.bool_]
 
-_AUTO_RESET = {AutoresetMode.NEXT_STEP: "next_step", AutoresetMode.SAME_STEP: "same_step"}
+_AUTO_RESET = {
+    AutoresetMode.NEXT_STEP: "next_step",
+    AutoresetMode.SAME_STEP: "same_step",
+    AutoresetMode.DISABLED: "disabled",
+}
 
 
 def _known_autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
     known = [m for m in _AUTO_RESET if mode in (m, m.value)]
     if not known:
-        raise ConfigError("vector environment", "autoreset_mode", "NextStep or SameStep", str(mode))
+        raise ConfigError("vector environment", "autoreset_mode", "NextStep, SameStep or Disabled", str(mode))
     return known[0]
 
 
@@ -94,7 +98,8 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             terrain: the ground of all.
             terms: as of `QuadrupedEnv`; they see all environments at once.
             workers: threads; as many as the process may use cores, but no more than environments, unless given.
-            autoreset_mode: what happens at the end of an episode, NEXT_STEP or SAME_STEP.
+            autoreset_mode: what happens at the end of an episode, NEXT_STEP, SAME_STEP or DISABLED: then `reset` with
+                `options={"reset_mask": ended}` begins the next ones, and nothing is stepped before.
             max_episode_steps: ends episodes earlier than the configuration does.
             dtype: of observations.
             render_mode: "rgb_array" or "depth_array".
@@ -140,6 +145,8 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         self._camera = known_camera(camera)
         self._critic_width = group_width(made, "critic")
         self._last: npt.NDArray[np.float64] | None = None
+        self._keeps = mode == AutoresetMode.DISABLED  # what `reset` with a mask shows of others
+        self._over = np.zeros(num_envs, np.bool_)  # with DISABLED: ended, and not begun anew
 
     def __repr__(self) -> str:
         return described(self, self.config, self.num_envs)
@@ -166,25 +173,55 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             self.core.environment(i).set_command(*map(float, command))
 
     def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begin an episode everywhere. Raises ConfigError for any option: there are none."""
-        if isinstance(seed, Sequence | np.ndarray):
-            raise ConfigError("reset", "seed", "one integer, from which every environment's follows", repr(seed))
+        """Begin an episode everywhere, or of those of a mask.
+
+        Args:
+            seed: one from which every environment's follows; or one each, with which a single environment begins the
+                same episode (None draws it). With a mask and without a seed it is the next episode of each.
+            options: `reset_mask`, a bool of each environment; infos are then of those alone, and rows of observations
+                of the others as they were.
+
+        Raises:
+            ConfigError: for other seeds or options, and for a mask before the first reset of all.
+
+        """
         self.check_open()
-        super().reset(seed=seed)
-        refuse_options(options)
-        self._last = observations = self.core.reset(episode_seed(seed, self.np_random))
-        return self._seen(observations), self.core.infos()
+        each = isinstance(seed, Sequence | np.ndarray)
+        super().reset(seed=None if each else seed)  # type: ignore[arg-type]
+        which = reset_mask(options, self.num_envs)
+        begin = self._seeds(seed, masked=which is not None)
+        if which is None:
+            assert begin is not None
+            self._last, infos = self.core.reset(begin), self.core.infos()
+            self._over[:] = False
+            return self._seen(self._last), infos
+        if self._last is None:
+            raise ConfigError("reset", "reset_mask", "a reset of all before it", "none")
+        self._last = self._last.copy()
+        self.core.reset_some(which, self._last, begin)
+        self._over &= ~which
+        return self._seen(self._last), of_those(which, self.core.infos())
+
+    def _seeds(self, seed: int | Sequence[int | None] | None, *, masked: bool) -> int | list[int] | None:
+        if isinstance(seed, Sequence | np.ndarray):
+            return episode_seeds(seed, self.num_envs, self.np_random)
+        return None if seed is None and masked else episode_seed(seed, self.np_random)
 
     def step(self, actions: npt.ArrayLike) -> tuple[Observation, npt.NDArray[np.float64], Flags, Flags, dict[str, Any]]:
         """One policy step everywhere. With SAME_STEP, `final_obs` and `final_info` are those of ended episodes.
 
-        Raises ClosedEnvironmentError after `close`.
+        Raises ClosedEnvironmentError after `close`, and with DISABLED ConfigError where an episode has ended.
         """
         self.check_open()
+        if self._over.any():
+            expected = "reset(options={'reset_mask': ended}) of those whose episode has ended"
+            raise ConfigError("step", "episode", expected, f"{np.count_nonzero(self._over)} that have")
         observations, rewards, terminated, truncated, final = self.core.step(action_array(actions))
         self._last = observations
+        if self._keeps:
+            self._over = terminated | truncated
         infos = self.core.infos()
         if final is not None:
             ended = terminated | truncated
@@ -209,7 +246,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         }
 
     def _seen(self, observations: npt.NDArray[np.float64]) -> Observation:
-        return observations.astype(self._dtype, copy=False)
+        return observations.astype(self._dtype, copy=self._keeps)
 
     def render(self) -> tuple[npt.NDArray[Any], ...] | None:
         """A frame, or distances, of every environment, as `QuadrupedEnv`; None without a render_mode."""

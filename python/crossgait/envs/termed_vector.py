@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -97,8 +98,8 @@ class TermedVectorEnvironment:
         """One of them, to look at."""
         return self._core.environment(index)
 
-    def reset(self, seed: int) -> FloatArray:
-        """Begin an episode everywhere."""
+    def reset(self, seed: int | Sequence[int]) -> FloatArray:
+        """Begin an episode everywhere, as `_core.VectorEnvironment.reset`."""
         self.cut_off()
         self._own = self._core.reset(seed)
         if self._kept is not None:
@@ -111,6 +112,17 @@ class TermedVectorEnvironment:
         self._ended[:] = False
         self._final, self._final_infos = [None] * self.size, None
         return self._seen()
+
+    def reset_some(self, which: Flags, observations: FloatArray, seed: int | Sequence[int] | None = None) -> None:
+        """Begin episodes of those, as `_core.VectorEnvironment.reset_some`; random numbers of terms go on."""
+        if (made := np.flatnonzero(which & (self._batch.time > 0))).size:
+            self._terms.end(made)
+        self._core.reset_some(which, self._own, seed)
+        self._begin(which)
+        self._ended &= ~which
+        for value in self._terms.reward_values.values():
+            value[which] = 0
+        observations[which] = self._seen()[which]
 
     def cut_off(self) -> None:
         """Tell curricula that all episodes are over which have made a step; those of `reset` follow."""
@@ -169,15 +181,15 @@ class TermedVectorEnvironment:
         ended = terminated | truncated
         self._terms.change(~(ended | pending))
         seen = self._seen()
-        if self._auto_reset == "next_step":
-            self._ended = ended
+        if self._auto_reset != "same_step":
+            self._ended = ended & (self._auto_reset == "next_step")
             return seen, rewards, terminated, truncated, None
         final = seen
         self._final, self._final_infos = [None] * self.size, None
         if ended.any():
             for i in map(int, np.flatnonzero(ended)):
                 self._final[i] = self.info(i)
-            self._final_infos = _masked(self.infos(), ended)
+            self._final_infos = of_those(ended, self.infos())
             self._begin_next(ended)
             for name, value in self._terms.reward_values.items():
                 self._terms.reward_values[name] = np.where(ended, 0.0, value)
@@ -209,17 +221,17 @@ class TermedVectorEnvironment:
 
     def final_infos(self) -> dict[str, Any]:
         """With same_step, of the episodes that the last step ended."""
-        return self._final_infos or _masked(self.infos(), np.zeros(self.size, np.bool_))
+        return self._final_infos or of_those(np.zeros(self.size, np.bool_), self.infos())
 
 
-def _masked(infos: dict[str, Any], ended: Flags) -> dict[str, Any]:
-    """Infos of the environments of `ended` alone: zero or None elsewhere."""
+def of_those(which: Flags, infos: dict[str, Any]) -> dict[str, Any]:
+    """Infos of some environments alone: zero or None elsewhere."""
     masked: dict[str, Any] = {}
     for key, value in infos.items():
         if isinstance(value, dict):
-            masked[key] = _masked(value, ended)
+            masked[key] = of_those(which, value)
         elif key.startswith("_"):
-            masked[key] = ended
+            masked[key] = which
         else:
-            masked[key] = np.where(ended, value, None if value.dtype == object else value.dtype.type(0))
+            masked[key] = np.where(which, value, None if value.dtype == object else value.dtype.type(0))
     return masked

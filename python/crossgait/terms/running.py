@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -67,7 +67,7 @@ class RunningTerms:
             self._remembering.append(owner)
         return replace(term, function=function)
 
-    def seed(self, seed: int) -> None:
+    def seed(self, seed: int | Sequence[int]) -> None:
         """Begin the random numbers of terms anew."""
         self.env.random = np.random.default_rng(seed)
 
