@@ -17,6 +17,7 @@
 #include "python/bindings/not_made.h"
 #include "python/bindings/robot.h"
 #include "python/bindings/step_info.h"
+#include "python/bindings/terms.h"
 
 namespace crossgait::python {
 
@@ -191,6 +192,12 @@ void bind_environment(nb::module_& m) {
            "bounds; not finite counts as zero. The observation is an array of its own. Raises ConfigError.")
       .def_prop_ro("info", guarded(&info_of), nb::sig("def info(self) -> dict[str, typing.Any]"),
                    "What is known of the last step; of the start after `reset`.")
+      .def_prop_ro("_terms", guarded([](const Environment& e) {
+                     const EnvExtension* own = e.env->extension();
+                     return own == nullptr ? nb::none() : terms_at_work(*own);
+                   }),
+                   nb::sig("def _terms(self) -> typing.Any"),
+                   "Terms of Python's at work; None without, and before the first `reset`.")
       .def("set_command", guarded([](Environment& e, double vx, double vy, double yaw_rate) {
              ++e.revision;
              e.env->set_command({vx, vy, yaw_rate});

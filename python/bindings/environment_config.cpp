@@ -14,6 +14,7 @@
 #include "python/bindings/bindings.h"
 #include "python/bindings/inputs.h"
 #include "python/bindings/json.h"
+#include "python/bindings/number.h"
 #include "python/bindings/robot.h"
 #include "python/bindings/shown.h"
 #include "python/bindings/terms.h"
@@ -73,17 +74,6 @@ std::string list_text(nb::handle list, int level) {
     text = bounded(std::move(text));
   }
   return "[" + text + "]";
-}
-
-// NumPy's numbers of fewer digits than Python's have those that they were written with: 0.02 of float32 is
-// 0.02. Those of more become Python's.
-nb::object as_written(nb::handle numbers) {
-  const nb::object dtype = nb::getattr(numbers, "dtype", nb::none());
-  if (dtype.is_none() || nb::cast<std::string>(nb::str(dtype.attr("kind"))) != "f" ||
-      nb::cast<int>(dtype.attr("itemsize")) == 8)
-    return nb::borrow(numbers);
-  if (nb::cast<int>(dtype.attr("itemsize")) > 8) return numbers.attr("astype")("float64");
-  return numbers.attr("astype")("str").attr("astype")("float64");
 }
 
 // Python's own values, NumPy's, paths, robots, terrains and engines, as the text that the core reads. @throws
@@ -327,6 +317,15 @@ void bind_saying(nb::class_<EnvConfig>& c) {
 }
 
 }  // namespace
+
+nb::object as_written(nb::handle numbers) {
+  const nb::object dtype = nb::getattr(numbers, "dtype", nb::none());
+  if (dtype.is_none() || nb::cast<std::string>(nb::str(dtype.attr("kind"))) != "f" ||
+      nb::cast<int>(dtype.attr("itemsize")) == 8)
+    return nb::borrow(numbers);
+  if (nb::cast<int>(dtype.attr("itemsize")) > 8) return numbers.attr("astype")("float64");
+  return numbers.attr("astype")("str").attr("astype")("float64");
+}
 
 void bind_environment_config(nb::module_& m) {
   nb::class_<EnvConfig> config(

@@ -1,7 +1,9 @@
 #include "python/bindings/robot.h"
 
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <string>
 
 #include <fmt/ranges.h>
 #include <nanobind/eigen/dense.h>
@@ -214,6 +216,14 @@ void bind_robot(nb::module_& m) {
            [](Robot& r, const std::pair<std::string, std::string>& state) {
              new (&r) Robot(unpickled(state.first, state.second));
            })
+      .def(
+          "__eq__",
+          [](const Robot& a, const Robot& b) {
+            return identity_hash(*a.description) == identity_hash(*b.description);
+          },
+          nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"),
+          "Whether they are the same to an engine, wherever they were read from.")
+      .def("__hash__", [](const Robot& r) { return std::hash<std::string>()(identity_hash(*r.description)); })
       .def("__repr__", [](const Robot& r) {
         return "<crossgait.Robot " + quoted(r.description->name) + ": " +
                std::to_string(r.description->joint_count()) + " joints, " +

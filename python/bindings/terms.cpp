@@ -116,6 +116,7 @@ class PythonExtension final : public EnvExtension {
   }
 
   std::span<const double> reward_terms() const noexcept override { return values_; }
+  nb::object at_work() const { return terms_ == nullptr ? nb::none() : terms_->get(); }
 
   std::shared_ptr<const void> save() const override {
     const nb::gil_scoped_acquire acquire;
@@ -157,6 +158,10 @@ EnvConfig with_terms(const EnvConfig& config, const nb::object& terms, const nb:
 }
 
 }  // namespace
+
+nb::object terms_at_work(const EnvExtension& extension) {
+  return dynamic_cast<const PythonExtension&>(extension).at_work();
+}
 
 void bind_terms(nb::class_<EnvConfig>& config) {
   config

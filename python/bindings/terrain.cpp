@@ -1,8 +1,10 @@
 #include "physics/terrain/terrain.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -106,6 +108,22 @@ Terrain of_state(const State& state) {
           scale};
 }
 
+// Whatever they are called.
+bool is_same_ground(const Terrain& a, const Terrain& b) {
+  const HeightField *x = a.field(), *y = b.field();
+  if (x == nullptr || y == nullptr) return x == y;
+  return x->columns() == y->columns() && x->rows() == y->rows() && x->size_x() == y->size_x() &&
+         x->size_y() == y->size_y() && std::ranges::equal(x->heights(), y->heights());
+}
+
+std::size_t hash_of(const Terrain& terrain) {
+  const HeightField* field = terrain.field();
+  if (field == nullptr) return 0;
+  std::size_t hash = std::hash<double>()(field->size_x()) ^ (std::hash<double>()(field->size_y()) << 1);
+  for (const float height : field->heights()) hash = hash * 31 + std::hash<float>()(height);
+  return hash;
+}
+
 }  // namespace
 
 void bind_terrain(nb::module_& m) {
@@ -149,6 +167,10 @@ void bind_terrain(nb::module_& m) {
           "of the plane, which has no heights, and for another ending.")
       .def("__getstate__", &state_of)
       .def("__setstate__", [](Terrain& self, const State& state) { new (&self) Terrain(of_state(state)); })
+      .def("__eq__", &is_same_ground, nb::is_operator(),
+           nb::sig("def __eq__(self, other: object, /) -> bool"),
+           "Whether the ground is the same, whatever it is called.")
+      .def("__hash__", &hash_of)
       .def("__repr__", [](const Terrain& t) { return "<crossgait.Terrain " + quoted(t.name()) + ">"; });
 }
 

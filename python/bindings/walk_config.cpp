@@ -15,6 +15,7 @@
 #include "physics/core/error.h"
 #include "physics/robot_files/data_path.h"
 #include "python/bindings/inputs.h"
+#include "python/bindings/number.h"
 #include "study/notes.h"
 
 namespace crossgait::python {
@@ -24,6 +25,7 @@ namespace nb = nanobind;
 
 using Velocity = std::optional<std::array<double, 3>>;
 using Settings = std::map<std::string, WalkArguments::Setting>;
+using GivenSettings = std::map<std::string, std::variant<WrittenNumber, std::string>>;
 
 std::vector<std::string> assignments(const Settings& settings) {
   std::vector<std::string> texts;
@@ -143,14 +145,20 @@ Velocity velocity_of(nb::handle command) {
 }
 
 void make_walk(PythonWalk* self, const std::string& gait, const nb::object& command,
-               const Settings& parameters, const nb::object& robot, const nb::object& terrain,
-               std::uint64_t seed, std::optional<double> friction, const ContactLike& contact, double seconds,
-               double physics_dt, double control_dt, double settle, bool compensation, bool heading_hold,
+               const GivenSettings& parameters, const nb::object& robot, const nb::object& terrain,
+               std::uint64_t seed, std::optional<WrittenNumber> friction, const ContactLike& contact,
+               WrittenNumber seconds, WrittenNumber physics_dt, WrittenNumber control_dt,
+               WrittenNumber settle, bool compensation, bool heading_hold,
                const std::vector<std::string>& terminations) {
-  new (self) PythonWalk(WalkArguments{gait, velocity_of(command), parameters, robot_text(robot, "Walk"),
-                                      terrain_text(terrain, "Walk"), seed, friction,
-                                      contact_text_of(contact, "Walk"), seconds, physics_dt, control_dt,
-                                      settle, compensation, heading_hold, terminations});
+  Settings set;
+  for (const auto& [name, value] : parameters) {
+    if (const auto* number = std::get_if<WrittenNumber>(&value)) set[name] = number->value;
+    if (const auto* text = std::get_if<std::string>(&value)) set[name] = *text;
+  }
+  new (self) PythonWalk(WalkArguments{
+      gait, velocity_of(command), set, robot_text(robot, "Walk"), terrain_text(terrain, "Walk"), seed,
+      friction ? std::optional(friction->value) : std::nullopt, contact_text_of(contact, "Walk"), seconds,
+      physics_dt, control_dt, settle, compensation, heading_hold, terminations});
 }
 
 void bind_reading(nb::class_<PythonWalk>& c) {
@@ -216,11 +224,12 @@ void bind_walk_config(nb::module_& m) {
       m, "Walk", "What to walk, before any engine is chosen: the options of `crossgait walk`. Immutable.");
   walk.def(
       "__init__", &make_walk, nb::arg("gait") = "trot", nb::kw_only(), nb::arg("command") = nb::none(),
-      nb::arg("parameters") = Settings(), nb::arg("robot") = "scara_quadruped", nb::arg("terrain") = "flat",
-      nb::arg("seed") = 0, nb::arg("friction") = nb::none(), nb::arg("contact") = "",
-      nb::arg("seconds") = 5.0, nb::arg("physics_dt") = 1e-3, nb::arg("control_dt") = 2e-3,
-      nb::arg("settle") = 0.5, nb::arg("compensation") = true, nb::arg("heading_hold") = true,
-      nb::arg("terminations") = std::vector<std::string>{"left_terrain"}, nb::sig(kWalkConstructor),
+      nb::arg("parameters") = GivenSettings(), nb::arg("robot") = "scara_quadruped",
+      nb::arg("terrain") = "flat", nb::arg("seed") = 0, nb::arg("friction") = nb::none(),
+      nb::arg("contact") = "", nb::arg("seconds") = 5.0, nb::arg("physics_dt") = 1e-3,
+      nb::arg("control_dt") = 2e-3, nb::arg("settle") = 0.5, nb::arg("compensation") = true,
+      nb::arg("heading_hold") = true, nb::arg("terminations") = std::vector<std::string>{"left_terrain"},
+      nb::sig(kWalkConstructor),
       "`gait` by name, or auto with a `command` (forward m/s, left m/s, yaw rate rad/s); `parameters` "
       "change the gait's own, by name (`swing` is bezier or matched); `robot` and `terrain` by name, by file "
       "or as objects; `seed` is of a random terrain; `terminations` are outcomes that end the walk, beside "

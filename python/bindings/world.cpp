@@ -26,6 +26,7 @@
 #include "python/bindings/busy.h"
 #include "python/bindings/inputs.h"
 #include "python/bindings/interruption.h"
+#include "python/bindings/number.h"
 #include "python/bindings/robot.h"
 #include "python/bindings/world_snapshot.h"
 
@@ -60,8 +61,9 @@ Eigen::Matrix<double, size, 1> vector_of_size(const nb::object& given, const cha
 Vector3 vector3(const nb::object& given, const char* what) { return vector_of_size<3>(given, what); }
 
 std::unique_ptr<PhysicsBackend> make_world(const RobotLike& chosen, const TerrainLike& ground,
-                                           const EngineLike& engine_like, std::optional<double> friction,
-                                           const ContactLike& contact_like, double physics_dt,
+                                           const EngineLike& engine_like,
+                                           std::optional<WrittenNumber> friction,
+                                           const ContactLike& contact_like, WrittenNumber physics_dt,
                                            const ArrayLike& gravity, bool fixed_base) {
   WorldSpec spec;
   const std::string engine = engine_name_of(engine_like, "world"),
@@ -74,7 +76,7 @@ std::unique_ptr<PhysicsBackend> make_world(const RobotLike& chosen, const Terrai
   spec.fixed_base = fixed_base;
   ContactSettings asked;
   if (!contact.empty()) asked = parse_contact_settings(contact, "world");
-  if (friction) asked.set("friction", std::vector{*friction}, "world", "friction");
+  if (friction) asked.set("friction", std::vector{friction->value}, "world", "friction");
   spec.contact = resolve_contact(robot.description->contact, asked, "world");
   const nb::gil_scoped_release release;
   const Interruption interruption;
@@ -213,6 +215,12 @@ void bind_vector(nb::class_<RobotState>& c, const char* name, Vector3 RobotState
       nb::for_setter(nb::sig(setter)), help);
 }
 
+bool are_equal(const RobotState& a, const RobotState& b) {
+  return a.time == b.time && a.p_WB == b.p_WB && a.q_WB.coeffs() == b.q_WB.coeffs() && a.v_WB == b.v_WB &&
+         a.w_WB == b.w_WB && a.q.size() == b.q.size() && a.q == b.q && a.qd.size() == b.qd.size() &&
+         a.qd == b.qd;
+}
+
 void bind_state(nb::module_& m) {
   nb::class_<RobotState> state(
       m, "State",
@@ -227,6 +235,12 @@ void bind_state(nb::module_& m) {
               "def w_WB(self, w_WB: numpy.typing.ArrayLike, /) -> None",
               "Angular velocity of the base in W, rad/s.");
   state.def(nb::init<>())
+      .def("__eq__", &are_equal, nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"),
+           "Whether all numbers are the same, the time as well.")
+      .def("__hash__",
+           [](const RobotState&) -> std::size_t {
+             throw nb::type_error("a State has no hash: it can be changed");
+           })
       .def("__copy__", [](const RobotState& s) { return RobotState(s); })
       .def("__deepcopy__", [](const RobotState& s, nb::handle) { return RobotState(s); })
       .def("__getstate__",

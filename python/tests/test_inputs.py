@@ -434,3 +434,43 @@ def test_results_and_policies_can_be_pickled() -> None:
         repr(Controller(controller, Walk(terrain="rough"), name="sway"))
         == "<crossgait.Controller 'sway': joints, Walk('trot', terrain='rough')>"
     )
+
+
+def test_robots_and_terrains_are_equal_where_engines_see_the_same() -> None:
+    """Whatever they are called, and by == alone."""
+    robot, other = (crossgait.Robot.load(name) for name in ("scara_quadruped", "serial_quadruped"))
+    assert robot == crossgait.Robot.load(Path(crossgait.models_dir()) / "robots/scara_quadruped/robot.yaml")
+    assert hash(robot) == hash(crossgait.Robot.load("scara_quadruped"))
+    assert robot not in (other, "scara_quadruped", None)
+    rough = crossgait.Terrain("rough", seed=3)
+    assert rough.size is not None
+    again = crossgait.Terrain.from_heights(rough.heights, size_x=rough.size[0], size_y=rough.size[1], name="mine")
+    assert rough == again
+    assert len({rough, again, crossgait.Terrain("rough", seed=3)}) == 1
+    assert crossgait.Terrain() == crossgait.Terrain("flat")
+    wider = crossgait.Terrain.from_heights(rough.heights, size_x=2 * rough.size[0], size_y=rough.size[1])
+    assert rough not in (crossgait.Terrain("rough", seed=4), crossgait.Terrain(), wider, "rough")
+
+
+def test_states_are_equal_number_by_number() -> None:
+    """And have no hash, since they can be changed."""
+    world = crossgait.World("scara_quadruped")
+    state, same = world.state, world.state
+    assert state == same
+    same.time += 1
+    assert state != same
+    for name in ("p_WB", "v_WB", "w_WB", "q", "qd"):
+        changed = world.state
+        setattr(changed, name, getattr(changed, name) + 1e-15)
+        assert changed != state, name
+    assert state not in (crossgait.State(), None)
+    with pytest.raises(TypeError, match="has no hash: it can be changed"):
+        hash(state)
+
+
+def test_worlds_and_walks_take_numbers_as_they_were_written() -> None:
+    """0.001 of float32 is 0.001."""
+    world = crossgait.World("scara_quadruped", physics_dt=np.float32(0.001), friction=np.float16(0.7))
+    assert world.physics_dt == 0.001
+    walk = crossgait.Walk(physics_dt=np.float32(0.001), parameters={"step_height": np.float32(0.04)})
+    assert walk == crossgait.Walk(physics_dt=0.001, parameters={"step_height": 0.04})

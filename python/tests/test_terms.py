@@ -555,3 +555,65 @@ def test_terms_that_were_interrupted_are_made_again() -> None:
         core.reset(0)
     assert core.reset(0).shape == (69,)
     assert Kept.copies == 2
+
+
+@pytest.mark.parametrize(
+    ("declare", "words"),
+    [
+        (lambda: terms.RewardTerm(forward, weight=float("nan")), "RewardTerm: weight: expected a finite number"),
+        (lambda: terms.ObservationTerm(forward, noise=-1), "ObservationTerm: noise: expected 0 or more, found -1"),
+        (lambda: terms.ObservationTerm(forward, clip=0), "ObservationTerm: clip: expected more than 0, found 0"),
+        (lambda: terms.TerminationTerm("fallen"), "TerminationTerm: function: expected a function"),
+        (lambda: terms.EventTerm(lambda env, indices: None, "sometimes"), "EventTerm: mode: expected startup, reset"),
+        (lambda: terms.EventTerm(lambda env, indices: None, "interval"), "EventTerm: interval: expected .min, max. s"),
+        (lambda: terms.EventTerm(lambda env, indices: None, "interval", (2, 1)), "expected 0 < min <= max"),
+        (lambda: terms.CurriculumTerm(lambda env: None), "CurriculumTerm: params: expected what"),
+    ],
+)
+def test_a_term_is_checked_where_it_is_declared(declare: Any, words: str) -> None:
+    with pytest.raises(ConfigError, match=words):
+        declare()
+
+
+def test_terms_at_work_and_what_they_show_can_be_read() -> None:
+    """Of one environment and of many: a curriculum's level, a critic's numbers."""
+
+    class Level:
+        level = 0
+
+        def __call__(self, env: Any, indices: np.ndarray) -> None:
+            self.level += len(indices)
+
+        def reset(self, env: Any, indices: np.ndarray) -> None:
+            """What remembers says when."""
+
+    given = Level()
+    mine = terms.Terms(
+        observations={"critic": {"height": terms.ObservationTerm(lambda env: env.base_height)}},
+        curriculum={"level": terms.CurriculumTerm(given)},
+    )
+    one = crossgait.envs.JointControlEnv(CONFIG, terms=mine, episode_seconds=0.04)
+    many = make(2, mine, max_episode_steps=2, autoreset_mode="SameStep")
+    for envs in (one, many):
+        with pytest.raises(ConfigError, match="group: expected terms, and a reset"):
+            envs.group("critic")
+        envs.reset(seed=0)
+        assert envs.terms is not None
+        assert envs.terms.curriculum["level"].function.level == 0
+        assert np.array_equal(envs.group("critic").ravel(), envs.batch.base_height)
+        with pytest.raises(ConfigError, match="one of policy, critic"):
+            envs.group("crtic")
+    for _ in range(4):
+        many.step(np.zeros(many.action_space.shape))
+    assert many.terms is not None
+    assert many.terms.curriculum["level"].function.level == 4
+    one.step(np.zeros(one.action_space.shape))
+    one.reset(seed=1)
+    assert one.terms is not None
+    assert one.terms.curriculum["level"].function.level == 1
+    assert given.level == 0  # each has its own
+    plain = make(2, None)
+    plain.reset(seed=0)
+    assert plain.terms is None
+    with pytest.raises(ConfigError, match="expected terms, and a reset"):
+        plain.group("critic")

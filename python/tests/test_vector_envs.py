@@ -255,7 +255,11 @@ def test_settings() -> None:
     ("settings", "words"),
     [
         ({"autoreset_mode": "never"}, "NextStep, SameStep or Disabled"),
-        ({"num_envs": 0}, "num_envs: expected at least 1"),
+        ({"num_envs": 0}, "num_envs: expected an integer of at least 1, found 0"),
+        ({"num_envs": "a"}, "num_envs: expected an integer of at least 1, found 'a'"),
+        ({"max_episode_steps": 1.5}, "max_episode_steps: expected an integer of at least 1, found 1.5"),
+        ({"width": 0}, "width: expected an integer of at least 1, found 0"),
+        ({"dtype": "zzz"}, "dtype: expected float64 or float32, found 'zzz'"),
         ({"workers": 0}, "workers"),
         ({"terrain": "moon"}, "moon"),
         ({"render_mode": "human"}, "render_mode"),

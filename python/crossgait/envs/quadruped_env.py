@@ -13,9 +13,10 @@ from crossgait import _core
 from crossgait.envs.configuration import ConfigLike, make_config
 from crossgait.envs.described import described
 from crossgait.envs.not_copyable import NotCopyable
-from crossgait.envs.render_mode import Drawn, known_camera, known_render_mode
+from crossgait.envs.render_mode import Drawn, frame_size, known_camera, known_render_mode
 from crossgait.envs.seeds import episode_seed, refuse_options
 from crossgait.envs.spaces import action_array, action_space, observation_dtype, observation_space
+from crossgait.errors import ConfigError
 from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
 from crossgait.notes import tell_notes
@@ -93,7 +94,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         self.action_space = action_space(self.layout)
         self.metadata = self.metadata | {"render_fps": max(1, round(1 / made.policy_dt))}
         self.render_mode = known_render_mode(render_mode, self.metadata["render_modes"])
-        self._frame_size = (width, height)
+        self._frame_size = frame_size(width, height)
         self._camera = known_camera(camera)
         self._episode_seed: int | None = None
         self._closed = False
@@ -107,6 +108,20 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
     def config(self) -> _core.EnvironmentConfig:
         """What it is made of."""
         return self.core.config
+
+    @property
+    def terms(self) -> Terms | None:
+        """Terms at work, of which objects that remember are this environment's own; None before the first reset.
+
+        None without terms as well. `config.terms` are those that were given.
+        """
+        return None if self.core._terms is None else self.core._terms.running.terms
+
+    def group(self, name: str) -> npt.NDArray[np.float64]:
+        """What terms of an observation group show now, (width,): "critic". Raises ConfigError where there are none."""
+        if self.core._terms is None:
+            raise ConfigError("environment", "group", "terms, and a reset", "none")
+        return np.asarray(self.core._terms.running.observe(name)[0])
 
     @property
     def episode_seed(self) -> int | None:

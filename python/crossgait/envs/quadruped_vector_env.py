@@ -17,9 +17,9 @@ from crossgait.envs.configuration import ConfigLike, make_config
 from crossgait.envs.described import described
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_env import Observation
-from crossgait.envs.render_mode import Drawn, known_camera, known_render_mode
+from crossgait.envs.render_mode import Drawn, frame_size, known_camera, known_render_mode
 from crossgait.envs.seeds import episode_seed, episode_seeds, reset_mask
-from crossgait.envs.spaces import action_array, action_space, observation_dtype, observation_space
+from crossgait.envs.spaces import action_array, action_space, observation_dtype, observation_space, whole_number
 from crossgait.envs.termed_vector import TermedVectorEnvironment, of_those
 from crossgait.errors import ConfigError
 from crossgait.inputs import EngineLike, TerrainLike
@@ -114,11 +114,11 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         """
         made = make_config(self.action, config, {"engine": engine, "terrain": terrain} | keys, terms)
         if max_episode_steps is not None:
-            seconds = min(made.episode_seconds, max_episode_steps * made.policy_dt)
+            steps = whole_number(max_episode_steps, "vector environment", "max_episode_steps")
+            seconds = min(made.episode_seconds, steps * made.policy_dt)
             made = make_config(self.action, made, {"episode_seconds": seconds})
         mode = _known_autoreset_mode(autoreset_mode)
-        if num_envs < 1:
-            raise ConfigError("vector environment", "num_envs", "at least 1", str(num_envs))
+        num_envs = whole_number(num_envs, "vector environment", "num_envs")
         if workers is None:
             workers = min(num_envs, len(os.sched_getaffinity(0)))
         tell_notes(made)
@@ -141,7 +141,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             "render_fps": max(1, round(1 / made.policy_dt)),
         }
         self.render_mode = known_render_mode(render_mode, self.metadata["render_modes"])
-        self._frame_size = (width, height)
+        self._frame_size = frame_size(width, height)
         self._camera = known_camera(camera)
         self._critic_width = group_width(made, "critic")
         self._last: npt.NDArray[np.float64] | None = None
@@ -155,6 +155,23 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
     def config(self) -> _core.EnvironmentConfig:
         """What all are made of."""
         return self.core.config
+
+    @property
+    def terms(self) -> Terms | None:
+        """Terms at work, of which objects that remember are these environments' own; None without.
+
+        `config.terms` are those that were given.
+        """
+        return self.core.terms if isinstance(self.core, TermedVectorEnvironment) else None
+
+    def group(self, name: str) -> npt.NDArray[np.float64]:
+        """What terms of an observation group show now, (num_envs, width): "critic".
+
+        Raises ConfigError where there are none, and before the first reset.
+        """
+        if not isinstance(self.core, TermedVectorEnvironment) or self._last is None:
+            raise ConfigError("vector environment", "group", "terms, and a reset", "none")
+        return self.core.group(name)
 
     @property
     def episode_seeds(self) -> npt.NDArray[np.uint64]:

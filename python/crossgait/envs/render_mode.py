@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from crossgait.envs.spaces import whole_number
 from crossgait.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -27,6 +28,11 @@ def known_camera(camera: Mapping[str, Any] | None) -> Mapping[str, Any] | None:
         if key not in CAMERA:
             raise ConfigError("environment", "camera", f"keys of {', '.join(CAMERA)}", repr(key))
     return camera
+
+
+def frame_size(width: Any, height: Any) -> tuple[int, int]:
+    """Width and height of frames, pixels. Raises ConfigError for what is none."""
+    return whole_number(width, "environment", "width"), whole_number(height, "environment", "height")
 
 
 class Drawn:

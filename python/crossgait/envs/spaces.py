@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,20 @@ from crossgait.layout import EnvironmentLayout
 
 def observation_dtype(dtype: npt.DTypeLike) -> np.dtype[Any]:
     """float64 or float32. Raises ConfigError for anything else."""
-    made = np.dtype(dtype)
-    if made not in (np.float64, np.float32):
-        raise ConfigError("environment", "dtype", "float64 or float32", made.name)
+    try:
+        made = np.dtype(dtype)
+    except TypeError:  # of what NumPy knows nothing of
+        made = None
+    if made is None or made not in (np.float64, np.float32):
+        raise ConfigError("environment", "dtype", "float64 or float32", repr(dtype) if made is None else made.name)
     return made
+
+
+def whole_number(value: Any, source: str, element: str) -> int:
+    """An integer of 1 or more. Raises ConfigError for anything else."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
+        raise ConfigError(source, element, "an integer of at least 1", repr(value))
+    return int(value)
 
 
 def observation_space(layout: EnvironmentLayout, dtype: np.dtype[Any]) -> spaces.Box:

@@ -61,6 +61,11 @@ class TermedVectorEnvironment:
         return self._config
 
     @property
+    def terms(self) -> Terms:
+        """Terms at work: objects that remember are copies of those of the configuration."""
+        return self._terms.terms
+
+    @property
     def engine(self) -> str:
         """Name of the engine."""
         return self._core.engine

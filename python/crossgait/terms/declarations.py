@@ -29,6 +29,10 @@ class RewardTerm:
     weight: float = 1.0
     params: Params = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        """Check it. Raises ConfigError."""
+        _check_term(self)
+
 
 @dataclass(frozen=True)
 class ObservationTerm:
@@ -43,6 +47,10 @@ class ObservationTerm:
     clip: float = math.inf
     noise: float = 0.0
 
+    def __post_init__(self) -> None:
+        """Check it. Raises ConfigError."""
+        _check_term(self)
+
 
 @dataclass(frozen=True)
 class TerminationTerm:
@@ -51,6 +59,10 @@ class TerminationTerm:
     function: Callable[..., Any]
     params: Params = field(default_factory=dict)
     time_out: bool = False
+
+    def __post_init__(self) -> None:
+        """Check it. Raises ConfigError."""
+        _check_term(self)
 
 
 @dataclass(frozen=True)
@@ -67,6 +79,10 @@ class EventTerm:
     interval: tuple[float, float] | None = None
     params: Params = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        """Check it. Raises ConfigError."""
+        _check_term(self)
+
 
 @dataclass(frozen=True)
 class CurriculumTerm:
@@ -77,6 +93,10 @@ class CurriculumTerm:
 
     function: Callable[..., Any]
     params: Params = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check it. Raises ConfigError."""
+        _check_term(self)
 
 
 @dataclass(frozen=True)
@@ -146,26 +166,31 @@ def _check(place: str, terms: Mapping[str, Any], kind: type) -> None:
     for name, term in terms.items():
         if not isinstance(term, kind):
             raise ConfigError("terms", f"{place}.{name}", f"a {kind.__name__}", type(term).__name__)
-        function = getattr(term, "function", None)
-        if not callable(function):
-            raise ConfigError("terms", f"{place}.{name}", "a function", repr(function))
-        for key in ("weight", "scale", "noise", "clip"):
-            if not isinstance(getattr(term, key, 0.0), Real):
-                raise ConfigError("terms", f"{place}.{name}.{key}", "a number", repr(getattr(term, key)))
-        for key in ("weight", "scale", "noise"):
-            if not math.isfinite(getattr(term, key, 0.0)):
-                raise ConfigError("terms", f"{place}.{name}", f"a finite {key}", repr(getattr(term, key)))
-        if getattr(term, "noise", 0.0) < 0 or not getattr(term, "clip", 1.0) > 0:
-            raise ConfigError("terms", f"{place}.{name}", "noise >= 0 and clip > 0", repr(term))
-        if isinstance(term, EventTerm):
-            _check_event(name, term)
-        _check_params(f"{place}.{name}", term)
 
 
-def _check_params(place: str, term: Any) -> None:
+def _check_term(term: Any) -> None:
+    kind = type(term).__name__
+    if not callable(term.function):
+        raise ConfigError(kind, "function", "a function", repr(term.function))
+    for key in ("weight", "scale", "noise", "clip"):
+        if not isinstance(getattr(term, key, 0.0), Real):
+            raise ConfigError(kind, key, "a number", repr(getattr(term, key)))
+    for key in ("weight", "scale", "noise"):
+        if not math.isfinite(getattr(term, key, 0.0)):
+            raise ConfigError(kind, key, "a finite number", repr(getattr(term, key)))
+    if getattr(term, "noise", 0.0) < 0:
+        raise ConfigError(kind, "noise", "0 or more", repr(term.noise))
+    if not getattr(term, "clip", 1.0) > 0:
+        raise ConfigError(kind, "clip", "more than 0", repr(term.clip))
+    if isinstance(term, EventTerm):
+        _check_event(term)
+    _check_params(kind, term)
+
+
+def _check_params(kind: str, term: Any) -> None:
     """Whether the function takes what it will be given, as far as it says what it takes."""
     if not isinstance(term.params, Mapping):
-        raise ConfigError("terms", f"{place}.params", "a mapping of keywords", type(term.params).__name__)
+        raise ConfigError(kind, "params", "a mapping of keywords", type(term.params).__name__)
     try:
         signature = inspect.signature(term.function)
     except (TypeError, ValueError):  # of a function that does not say
@@ -175,19 +200,18 @@ def _check_params(place: str, term: Any) -> None:
         signature.bind(*given, **term.params)
     except TypeError as error:
         expected = f"what {function_name(term.function)}{signature} takes beside {' and '.join(given)}"
-        raise ConfigError("terms", f"{place}.params", expected, str(error)) from None
+        raise ConfigError(kind, "params", expected, str(error)) from None
 
 
-def _check_event(name: str, event: EventTerm) -> None:
-    place = f"events.{name}"
+def _check_event(event: EventTerm) -> None:
     if event.mode not in MODES:
-        raise ConfigError("terms", f"{place}.mode", ", ".join(MODES), repr(event.mode))
+        raise ConfigError("EventTerm", "mode", ", ".join(MODES), repr(event.mode))
     if (event.mode == "interval") != (event.interval is not None):
-        raise ConfigError("terms", f"{place}.interval", "(min, max) s, of mode interval alone", repr(event.interval))
+        raise ConfigError("EventTerm", "interval", "(min, max) s, of mode interval alone", repr(event.interval))
     if event.interval is not None and not _is_pair(event.interval):
-        raise ConfigError("terms", f"{place}.interval", "(min, max), s", repr(event.interval))
+        raise ConfigError("EventTerm", "interval", "(min, max), s", repr(event.interval))
     if event.interval is not None and not 0 < event.interval[0] <= event.interval[1] < math.inf:
-        raise ConfigError("terms", f"{place}.interval", "0 < min <= max", repr(event.interval))
+        raise ConfigError("EventTerm", "interval", "0 < min <= max", repr(event.interval))
 
 
 def _is_pair(value: Any) -> bool:
