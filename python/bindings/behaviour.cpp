@@ -162,6 +162,7 @@ void bind_behaviour(nb::module_& m) {
           "__init__",
           [](PythonController* self, const nb::callable& make, const PythonWalk& walk,
              const std::string& targets, const std::string& name) {
+            check_maker(make, "Controller", "a State");
             new (self) PythonController{walk, name, targets_of(targets), SharedObject(make)};
           },
           nb::arg("make"), nb::arg("walk") = PythonWalk(), nb::kw_only(), nb::arg("targets") = "joints",

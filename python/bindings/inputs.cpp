@@ -103,6 +103,10 @@ std::string text_of(nb::handle text, const std::string& source, const std::strin
   throw ConfigError(source, element, "text that UTF-8 has bytes for", shown(text));
 }
 
+void check_maker(nb::handle make, const char* kind, const char* argument) {
+  nb::module_::import_("crossgait.inputs").attr("check_maker")(make, kind, argument);
+}
+
 std::string type_called(nb::handle value) { return nb::cast<std::string>(value.type().attr("__name__")); }
 
 std::string terrain_file(const Terrain& terrain) {

@@ -26,6 +26,9 @@ std::string text_of(nanobind::handle text, const std::string& source, const std:
 /// do.
 std::string quoted(const std::string& name);
 
+/// Refuses what makes controllers or policies and takes arguments itself. @throws ConfigError naming `kind`
+void check_maker(nanobind::handle make, const char* kind, const char* argument);
+
 /// Returns the name of a value's type, for errors about it.
 std::string type_called(nanobind::handle value);
 

@@ -97,6 +97,7 @@ void bind_python_policy(nb::module_& m) {
       .def(
           "__init__",
           [](PythonPolicy* self, const nb::callable& make, const std::string& name) {
+            check_maker(make, "FunctionPolicy", "an observation");
             new (self) PythonPolicy{name, SharedObject(make)};
           },
           nb::arg("make"), nb::arg("name") = "function",

@@ -10,8 +10,9 @@
 
 from __future__ import annotations
 
+import inspect
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
@@ -170,6 +171,22 @@ def _environment_beside(policy: str) -> EnvironmentConfig | None:
     if (beside := Path(policy).parent / ENVIRONMENT).is_file():
         return EnvironmentConfig.load(beside)
     raise ConfigError(policy, "environment", f"environment=, or {ENVIRONMENT} beside the policy", "none")
+
+
+def check_maker(make: Callable[..., Any], kind: str, argument: str) -> None:
+    """Raise ConfigError for what cannot be called without arguments, as far as it says what it takes."""
+    try:
+        signature = inspect.signature(make)
+    except (TypeError, ValueError):
+        return
+    try:
+        signature.bind()
+    except TypeError:
+        name = getattr(make, "__name__", type(make).__name__)
+        expected = (
+            f"a function without arguments that returns one of {argument}: `lambda: f` of an f that keeps nothing"
+        )
+        raise ConfigError(kind, "make", expected, f"{name}{signature}") from None
 
 
 def as_engine(value: Any, source: str = "engine") -> str:

@@ -518,3 +518,25 @@ def test_threads_have_a_most(tmp_path: Path) -> None:
     ):
         with pytest.raises(ConfigError, match=r"workers: expected .*1024"):
             call()
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (
+            lambda: crossgait.FunctionPolicy(lambda observation: 0),
+            r"FunctionPolicy: make: .* found <lambda>.observation.",
+        ),
+        (
+            lambda: crossgait.Controller(lambda state: 0),
+            r"Controller: make: .* one of a State: `lambda: f` .*<lambda>.state.",
+        ),
+        (lambda: crossgait.Controller(lambda state, gain=1: 0), r"found <lambda>.state, gain=1."),
+    ],
+)
+def test_what_makes_a_controller_takes_nothing(make: Callable[[], Any], words: str) -> None:
+    """A function of a state, instead of what makes one, is refused where it is given."""
+    with pytest.raises(ConfigError, match=words):
+        make()
+    crossgait.FunctionPolicy(lambda scale=1: lambda observation: 0)
+    crossgait.Controller(dict)  # says nothing of what it takes
