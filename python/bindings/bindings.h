@@ -18,6 +18,7 @@ void bind_kinematics(nb::module_& m);
 void bind_gait(nb::module_& m);
 void bind_batch(nb::module_& m);
 void bind_environment_config(nb::module_& m);
+void bind_number(nb::module_& m);
 void bind_environment(nb::module_& m);
 void bind_vector_environment(nb::module_& m);
 void bind_policy(nb::module_& m);

@@ -318,15 +318,6 @@ void bind_saying(nb::class_<EnvConfig>& c) {
 
 }  // namespace
 
-nb::object as_written(nb::handle numbers) {
-  const nb::object dtype = nb::getattr(numbers, "dtype", nb::none());
-  if (dtype.is_none() || nb::cast<std::string>(nb::str(dtype.attr("kind"))) != "f" ||
-      nb::cast<int>(dtype.attr("itemsize")) == 8)
-    return nb::borrow(numbers);
-  if (nb::cast<int>(dtype.attr("itemsize")) > 8) return numbers.attr("astype")("float64");
-  return numbers.attr("astype")("str").attr("astype")("float64");
-}
-
 void bind_environment_config(nb::module_& m) {
   nb::class_<EnvConfig> config(
       m, "EnvironmentConfig",
@@ -335,9 +326,6 @@ void bind_environment_config(nb::module_& m) {
   bind_making(config);
   bind_saying(config);
   bind_terms(config);
-  m.def("_as_written", &as_written, nb::arg("numbers"),
-        nb::sig("def _as_written(numbers: typing.Any) -> typing.Any"),
-        "NumPy's numbers, those of fewer digits than Python's as they were written.");
 }
 
 }  // namespace crossgait::python

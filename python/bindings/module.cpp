@@ -75,6 +75,7 @@ NB_MODULE(crossgait_core, m) {
   bind_terrain(m);
   bind_world(m);
   bind_environment_config(m);
+  bind_number(m);
   bind_batch(m);
   bind_environment(m);
   bind_vector_environment(m);
