@@ -10,10 +10,10 @@
 
 namespace crossgait::contact {
 
-/// In a sweep each row reads the velocities that the row before has just written, and that takes longer than
-/// all the arithmetic: a product with the base's six velocities, a step, and six velocities written. Here the
-/// product of a row is begun while the rows before it are still at work, and what those do meanwhile is added
-/// by one number each, the response of the one row to the other:
+/// Begins a row's product before its turn. By turns alone each row reads the velocities that the row before
+/// has just written, and that takes longer than all the arithmetic: a product with the base's six velocities,
+/// a step, and six velocities written. So the product is begun while the rows before are still at work, and
+/// what those do meanwhile is added by one number each, the response of the one row to the other:
 ///   z_i . w_now = z_i . w_then + (z_i . z_j) dx_j    for each row j since then.
 /// Looks two rows ahead along normals, one contact ahead along tangents.
 class LookaheadSweep {
