@@ -352,6 +352,16 @@ void QuadrupedEnv::end_episode(bool terminated) {
   episode_.result.truncated = !terminated;
 }
 
+double QuadrupedEnv::end_in_step(bool terminated) {
+  end_episode(terminated);
+  static const std::size_t kTermination = find_reward_term("termination");
+  RewardTerms& terms = episode_.info.reward_terms;
+  if (terminated) terms[kTermination] = config().reward[kTermination];
+  episode_.result.reward = 0;  // in the table's order, so that it is the same to the bit
+  for (std::size_t i = 0; i < RewardTerms::size(); ++i) episode_.result.reward += terms[i];
+  return episode_.result.reward;
+}
+
 void QuadrupedEnv::observe_start(std::span<double> observation) {
   check_size(kSource, "observation", observation.size(), observation_size());
   require_begun("observe_start");

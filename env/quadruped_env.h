@@ -129,6 +129,9 @@ class QuadrupedEnv {
   void forget();
   /// Ends the episode now: as an outcome would, or as its time would.
   void end_episode(bool terminated);
+  /// The same of the step that was just made, as `EnvExtension::step` has it: a failure costs what the
+  /// reward's `termination` says. @returns the step's reward by the table
+  double end_in_step(bool terminated);
   /// Writes the first observation anew, of what was set since `reset`. @throws ConfigError for a wrong size,
   /// or after the first step
   void observe_start(std::span<double> observation);

@@ -221,6 +221,20 @@ void end_episodes(Batch& batch, const nb::object& terminated, const nb::object& 
   }
 }
 
+using Rewards = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+void end_in_step(Batch& batch, const nb::object& terminated, const nb::object& truncated,
+                 const Rewards& rewards) {
+  const Flags failed = flags_of(terminated, batch.size()), out_of_time = flags_of(truncated, batch.size());
+  if (rewards.size() != batch.size())
+    throw ConfigError(kSource, "rewards", fmt::format("{} numbers", batch.size()),
+                      fmt::format("{}", rewards.size()));
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    if (failed.data()[i] || out_of_time.data()[i])
+      rewards.data()[i] = batch.change(i).end_in_step(failed.data()[i]);
+  }
+}
+
 nb::object limits_of(const Batch& batch) {
   const RobotDescription& robot = *batch.at(0).model().world.robot;
   const auto count = static_cast<std::size_t>(robot.joint_count());
@@ -369,6 +383,12 @@ void bind_batch(nb::module_& m) {
            "Ends episodes, as an outcome or their time would: the next step says so. Raises ConfigError for "
            "one that "
            "has ended.")
+      .def(
+          "_end_in_step", guarded(&end_in_step), nb::arg("terminated"), nb::arg("truncated"),
+          nb::arg("rewards").noconvert(),
+          nb::sig("def _end_in_step(self, terminated: numpy.typing.NDArray[numpy.bool_], truncated: "
+                  "numpy.typing.NDArray[numpy.bool_], rewards: numpy.typing.NDArray[numpy.float64]) -> None"),
+          "What a term says of the step that was made: its episodes end, and rewards are theirs.")
       .def("__repr__",
            [](const Batch& b) { return fmt::format("<crossgait.Batch of {} environments>", b.size()); });
   m.def(

@@ -10,7 +10,8 @@ namespace crossgait::python {
 
 nb::object as_written(nb::handle numbers) {
   const nb::object dtype = nb::getattr(numbers, "dtype", nb::none());
-  if (dtype.is_none() || nb::cast<std::string>(nb::str(dtype.attr("kind"))) != "f" ||
+  const nb::object kind = nb::getattr(dtype, "kind", nb::none());  // which other libraries' have not
+  if (!nb::isinstance<nb::str>(kind) || nb::cast<std::string>(kind) != "f" ||
       nb::cast<int>(dtype.attr("itemsize")) == 8)
     return nb::borrow(numbers);
   if (nb::cast<int>(dtype.attr("itemsize")) > 8) return numbers.attr("astype")("float64");

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from types import FrameType
 
 from crossgait.errors import ConfigError
-from crossgait.notes import notes_said
+from crossgait.notes import Note, notes_said
 
 WRONG_INPUT, INTERRUPTED = 2, 130  #: exit codes, as of `crossgait`
 
@@ -54,7 +54,7 @@ def exit_code(name: str, work: Callable[[], int], interrupted: str = "") -> int:
     try:
         with _ended_by_sigterm(), notes_said(lambda note: say(f"{name}: note: {note}", error=True)):
             return work()
-    except ConfigError as error:
+    except (ConfigError, Note) as error:  # a note where a filter makes it an error
         say(f"{name}: {error}", error=True)
         return WRONG_INPUT
     except KeyboardInterrupt:

@@ -176,7 +176,7 @@ def _environment_beside(policy: str) -> EnvironmentConfig | None:
 def check_maker(make: Callable[..., Any], kind: str, argument: str) -> None:
     """Raise ConfigError for what cannot be called without arguments, as far as it says what it takes."""
     try:
-        signature = inspect.signature(make)
+        signature = inspect.signature(make, follow_wrapped=False)
     except (TypeError, ValueError):
         return
     try:

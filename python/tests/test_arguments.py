@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import os
 import pickle
 import re
@@ -539,4 +540,5 @@ def test_what_makes_a_controller_takes_nothing(make: Callable[[], Any], words: s
     with pytest.raises(ConfigError, match=words):
         make()
     crossgait.FunctionPolicy(lambda scale=1: lambda observation: 0)
+    crossgait.FunctionPolicy(functools.wraps(lambda observation: 0)(lambda: lambda observation: 0))
     crossgait.Controller(dict)  # says nothing of what it takes

@@ -474,3 +474,13 @@ def test_worlds_and_walks_take_numbers_as_they_were_written() -> None:
     assert world.physics_dt == 0.001
     walk = crossgait.Walk(physics_dt=np.float32(0.001), parameters={"step_height": np.float32(0.04)})
     assert walk == crossgait.Walk(physics_dt=0.001, parameters={"step_height": 0.04})
+    for command in (np.array([0.1, 0, 0], np.float32), {"vx": np.float32(0.1)}):
+        assert crossgait.Walk(command=command) == crossgait.Walk(command=[0.1, 0, 0])
+
+    class Scalar:  # as other libraries have them
+        dtype = object()
+
+        def __float__(self) -> float:
+            return 0.002
+
+    assert crossgait.World("scara_quadruped", physics_dt=Scalar()).physics_dt == 0.002  # type: ignore[arg-type]

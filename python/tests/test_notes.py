@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
+import gymnasium
 import pytest
 
 import crossgait
@@ -26,6 +27,8 @@ ASKED: list[Callable[[], Any]] = [
     lambda: crossgait.transfer("zero", HIGH_ENVIRONMENT, engines=ONE, terrains="flat", episodes=1),
     lambda: AdaptiveGaitEnv(HIGH_ENVIRONMENT),
     lambda: AdaptiveGaitVectorEnv(1, HIGH_ENVIRONMENT),
+    lambda: gymnasium.make("Crossgait/AdaptiveGait-v0", config=HIGH_ENVIRONMENT),
+    lambda: gymnasium.make_vec("Crossgait/AdaptiveGait-v0", 2, "vector_entry_point", config=HIGH_ENVIRONMENT),
 ]
 
 
@@ -79,7 +82,9 @@ def test_a_command_says_its_notes_as_commands_do(capsys: pytest.CaptureFixture[s
     """Where there is no program to point at."""
 
     def work() -> int:
-        tell_notes(crossgait.Walk("trot", parameters=HIGH))
+        for _ in range(2):  # once each
+            tell_notes(crossgait.Walk("trot", parameters=HIGH))
+        tell_notes(HIGH_ENVIRONMENT)
         return 0
 
     with warnings.catch_warnings():
@@ -88,3 +93,7 @@ def test_a_command_says_its_notes_as_commands_do(capsys: pytest.CaptureFixture[s
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 2
     assert all(line.startswith("crossgait.train: note: step_height") for line in lines)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert commands.exit_code("crossgait.train", work) == commands.WRONG_INPUT
+    assert capsys.readouterr().err.startswith("crossgait.train: step_height")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import pickle
 from pathlib import Path
 from typing import Any
@@ -617,3 +618,75 @@ def test_terms_at_work_and_what_they_show_can_be_read() -> None:
     assert plain.terms is None
     with pytest.raises(ConfigError, match="expected terms, and a reset"):
         plain.group("critic")
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
+@pytest.mark.parametrize("time_out", [False, True])
+def test_a_failure_that_a_term_declares_costs_what_any_costs(mode: str, time_out: bool) -> None:
+    """In a vector as in one environment, to the bit, and in the table's own row of infos."""
+    mine = terms.Terms(
+        rewards={"forward": terms.RewardTerm(forward)},
+        terminations={"late": terms.TerminationTerm(lambda env: env.time > 0.03, time_out=time_out)},
+    )
+    keys = {"reward": {"termination": -10.0, "alive": 0.1, "action_l2": -0.3}}
+    one = crossgait.envs.JointControlEnv(CONFIG, terms=mine, **keys)
+    many = make(2, mine, autoreset_mode=mode, **keys)
+    one.reset(seed=1)
+    many.reset(seed=[1, 2])
+    for step in range(2):
+        actions = drawn(many, step)
+        _, reward, *flags, info = one.step(actions[0])
+        _, rewards, terminated, truncated, infos = many.step(actions)
+        assert reward == rewards[0]
+        assert flags == [terminated[0], truncated[0]]
+        told = infos.get("final_info", infos)
+        assert info["reward_terms"]["termination"] == told["reward_terms"]["termination"][0]
+    assert flags == [not time_out, time_out]
+    assert info["reward_terms"]["termination"] == (0 if time_out else -10)
+
+
+def test_looking_at_a_group_changes_nothing() -> None:
+    """Though noise is drawn for it, which is the same all through a step."""
+    noisy = terms.ObservationTerm(lambda env: env.base_linear_velocity, noise=0.5)
+    push = terms.EventTerm(terms.push_by_setting_velocity, "interval", (0.02, 0.04), {"speed": 0.5})
+    mine = terms.Terms(observations={"policy": {"p": noisy}, "critic": {"v": noisy}}, events={"push": push})
+
+    def seen(look: bool) -> tuple[list[bytes], list[np.ndarray]]:
+        envs, looks, steps = make(2, mine), [], []
+        envs.reset(seed=3)
+        for step in range(6):
+            if look:
+                first, again = envs.group("critic"), envs.group("critic")
+                assert first.tobytes() == again.tobytes() == np.float64(first).tobytes()
+                looks.append(first)
+            steps.append(envs.step(drawn(envs, step))[0].tobytes())
+        return steps, looks
+
+    steps, looks = seen(True)
+    assert steps == seen(False)[0]
+    assert len({look.tobytes() for look in looks}) == len(looks)
+
+
+def test_seeds_repeat_what_terms_draw() -> None:
+    """Of all environments together, and of a mask's: they draw from one stream."""
+    offset = terms.EventTerm(terms.reset_joints_by_offset, "reset", params={"offset": 0.2})
+    envs = make(2, terms.Terms(events={"offset": offset}), autoreset_mode="Disabled")
+    assert envs.reset(seed=[3, 4])[0].tobytes() == envs.reset(seed=[3, 4])[0].tobytes()
+    masked = [envs.reset(seed=[5, 6], options={"reset_mask": np.array([True, False])})[0] for _ in range(2)]
+    assert masked[0].tobytes() == masked[1].tobytes()
+    alone = make(1, terms.Terms(events={"offset": offset}))
+    one = crossgait.envs.JointControlEnv(CONFIG, terms=terms.Terms(events={"offset": offset}))
+    assert alone.reset(seed=[3])[0][0].tobytes() == one.reset(seed=3)[0].tobytes()
+
+
+def test_wrapped_functions_take_what_their_wrapper_takes() -> None:
+    @functools.wraps(forward)
+    def scaled(env: Any, scale: float = 1.0) -> Any:
+        return scale * forward(env)
+
+    terms.RewardTerm(scaled, params={"scale": 2.0})
+    with pytest.raises(ConfigError, match="TerminationTerm: time_out: expected True or False, found 'no'"):
+        terms.TerminationTerm(forward, time_out="no")  # type: ignore[arg-type]
+    with pytest.raises(ConfigError, match="RewardTerm: weight: expected a finite number"):
+        terms.RewardTerm(forward, weight=10**400)
+    terms.EventTerm(lambda env, indices: None, "interval", np.array([1.0, 2.0]))  # type: ignore[arg-type]

@@ -168,6 +168,10 @@ def test_a_seed_beside_a_mask_begins_what_it_begins_everywhere() -> None:
     seen, _ = some.reset(seed=9, options={"reset_mask": mask})
     assert seen[mask].tobytes() == expected[mask].tobytes()
     assert seen[1].tobytes() == first[1].tobytes()
+    kept = seen.copy()
+    seen[:] = 0  # the caller's to do with as they like
+    assert some.reset(options={"reset_mask": mask})[0][1].tobytes() == kept[1].tobytes()
+    assert some.reset(seed=np.array(9))[0].tobytes() == expected.tobytes()  # type: ignore[arg-type]
 
 
 def test_seeds_of_each_are_those_of_single_environments() -> None:
@@ -188,6 +192,8 @@ def test_seeds_of_each_are_those_of_single_environments() -> None:
         ({"seed": [1, -2, 3]}, "seed: expected integers of 0 to 2.64 - 1, or None, found -2"),
         ({"seed": [1, 2.5, 3]}, "found 2.5"),
         ({"seed": [True, 2, 3]}, "found True"),
+        ({"seed": b"abc"}, "seed: expected an integer, or 3 of them, found b'abc'"),
+        ({"options": "x"}, "options: expected a mapping, found 'x'"),
         ({"options": {"reset_mask": [True, False, False]}}, "a NumPy array of bool of shape .3,., at least one"),
         ({"options": {"reset_mask": np.zeros(3, np.bool_)}}, "at least one of them True"),
         ({"options": {"reset_mask": np.ones(2, np.bool_)}}, "of shape .3,."),
@@ -259,6 +265,7 @@ def test_settings() -> None:
         ({"num_envs": "a"}, "num_envs: expected an integer of at least 1, found 'a'"),
         ({"max_episode_steps": 1.5}, "max_episode_steps: expected an integer of at least 1, found 1.5"),
         ({"width": 0}, "width: expected an integer of at least 1, found 0"),
+        ({"dtype": ">f4"}, "dtype: expected float64 or float32, found '>f4'"),
         ({"dtype": "zzz"}, "dtype: expected float64 or float32, found 'zzz'"),
         ({"workers": 0}, "workers"),
         ({"terrain": "moon"}, "moon"),

@@ -121,7 +121,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         """What terms of an observation group show now, (width,): "critic". Raises ConfigError where there are none."""
         if self.core._terms is None:
             raise ConfigError("environment", "group", "terms, and a reset", "none")
-        return np.asarray(self.core._terms.running.observe(name)[0])
+        return np.asarray(self.core._terms.running.shown(name)[0])
 
     @property
     def episode_seed(self) -> int | None:

@@ -205,7 +205,9 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
 
         """
         self.check_open()
-        each = isinstance(seed, Sequence | np.ndarray)
+        if isinstance(seed, np.ndarray):
+            seed = seed.tolist()
+        each = isinstance(seed, Sequence)
         super().reset(seed=None if each else seed)  # type: ignore[arg-type]
         which = reset_mask(options, self.num_envs)
         begin = self._seeds(seed, masked=which is not None)
@@ -222,7 +224,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         return self._seen(self._last), of_those(which, self.core.infos())
 
     def _seeds(self, seed: int | Sequence[int | None] | None, *, masked: bool) -> int | list[int] | None:
-        if isinstance(seed, Sequence | np.ndarray):
+        if isinstance(seed, Sequence):
             return episode_seeds(seed, self.num_envs, self.np_random)
         return None if seed is None and masked else episode_seed(seed, self.np_random)
 
@@ -263,7 +265,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         }
 
     def _seen(self, observations: npt.NDArray[np.float64]) -> Observation:
-        return observations.astype(self._dtype, copy=self._keeps)
+        return observations.astype(self._dtype)
 
     def render(self) -> tuple[npt.NDArray[Any], ...] | None:
         """A frame, or distances, of every environment, as `QuadrupedEnv`; None without a render_mode."""

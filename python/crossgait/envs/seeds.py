@@ -23,6 +23,8 @@ def episode_seed(seed: int | None, random: np.random.Generator) -> int:
 
 def episode_seeds(seeds: Sequence[int | None], count: int, random: np.random.Generator) -> list[int]:
     """One for each environment, those that are None drawn from `random`. Raises ConfigError for others."""
+    if isinstance(seeds, (str, bytes, bytearray)):
+        raise ConfigError("reset", "seed", f"an integer, or {count} of them", repr(seeds))
     if len(seeds) != count:
         raise ConfigError("reset", "seed", f"an integer, or {count} of them", f"{len(seeds)}")
     for seed in seeds:
@@ -33,6 +35,8 @@ def episode_seeds(seeds: Sequence[int | None], count: int, random: np.random.Gen
 
 def reset_mask(options: Mapping[str, Any] | None, count: int) -> npt.NDArray[np.bool_] | None:
     """Which environments are to begin an episode; None for all. Raises ConfigError, also for any other option."""
+    if options is not None and not isinstance(options, Mapping):
+        raise ConfigError("reset", "options", "a mapping", repr(options))
     refuse_options({key: value for key, value in (options or {}).items() if key != "reset_mask"}, "reset_mask alone")
     if not options:
         return None

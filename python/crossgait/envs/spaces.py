@@ -20,7 +20,7 @@ def observation_dtype(dtype: npt.DTypeLike) -> np.dtype[Any]:
     except TypeError:  # of what NumPy knows nothing of
         made = None
     if made is None or made not in (np.float64, np.float32):
-        raise ConfigError("environment", "dtype", "float64 or float32", repr(dtype) if made is None else made.name)
+        raise ConfigError("environment", "dtype", "float64 or float32", repr(dtype))
     return made
 
 

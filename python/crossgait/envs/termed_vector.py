@@ -119,10 +119,15 @@ class TermedVectorEnvironment:
         return self._seen()
 
     def reset_some(self, which: Flags, observations: FloatArray, seed: int | Sequence[int] | None = None) -> None:
-        """Begin episodes of those, as `_core.VectorEnvironment.reset_some`; random numbers of terms go on."""
+        """Begin episodes of those, as `_core.VectorEnvironment.reset_some`.
+
+        A seed, or seeds, begin the random numbers of all environments' terms anew: they come from one stream.
+        """
         if (made := np.flatnonzero(which & (self._batch.time > 0))).size:
             self._terms.end(made)
         self._core.reset_some(which, self._own, seed)
+        if seed is not None:
+            self._terms.seed(seed)
         self._begin(which)
         self._ended &= ~which
         for value in self._terms.reward_values.values():
@@ -159,7 +164,7 @@ class TermedVectorEnvironment:
 
     def group(self, name: str) -> FloatArray:
         """What the terms of an observation group show now, (n, width): "critic"."""
-        return self._terms.observe(name)
+        return self._terms.shown(name)
 
     def step(self, actions: npt.NDArray[Any]) -> Step:
         """One policy step everywhere, as `_core.VectorEnvironment.step`."""
@@ -174,7 +179,7 @@ class TermedVectorEnvironment:
         by_terms &= going
         by_time &= going & ~by_terms
         if by_terms.any() or by_time.any():
-            self._batch.end_episodes(by_terms, by_time)
+            self._batch._end_in_step(by_terms, by_time, rewards)
             terminated |= by_terms
             truncated |= by_time
         own = self._terms.rewards()

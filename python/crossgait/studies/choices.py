@@ -101,9 +101,9 @@ def velocity_of(command: Any, study: str) -> tuple[float, float, float]:
     names = ("vx", "vy", "yaw_rate")
     try:
         if isinstance(command, Mapping) and set(command) <= set(names):
-            vx, vy, yaw_rate = (float(command.get(name, 0.0)) for name in names)
+            vx, vy, yaw_rate = (float(_core._as_written(command.get(name, 0.0))) for name in names)
         else:
-            vx, vy, yaw_rate = map(float, command)
+            vx, vy, yaw_rate = (float(_core._as_written(v)) for v in _core._as_written(command))
     except (TypeError, ValueError, OverflowError):
         expected = "forward m/s, left m/s, yaw rate rad/s: three numbers, or a mapping of vx, vy, yaw_rate"
         raise ConfigError(study, "command", expected, repr(command)) from None

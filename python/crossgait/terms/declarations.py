@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, fields
 from numbers import Real
 from typing import Any, Literal, get_args
 
+import numpy as np
+
 from crossgait._core import reward_terms
 from crossgait.errors import ConfigError
 
@@ -176,8 +178,10 @@ def _check_term(term: Any) -> None:
         if not isinstance(getattr(term, key, 0.0), Real):
             raise ConfigError(kind, key, "a number", repr(getattr(term, key)))
     for key in ("weight", "scale", "noise"):
-        if not math.isfinite(getattr(term, key, 0.0)):
+        if not _is_finite(getattr(term, key, 0.0)):
             raise ConfigError(kind, key, "a finite number", repr(getattr(term, key)))
+    if not isinstance(getattr(term, "time_out", False), bool):
+        raise ConfigError(kind, "time_out", "True or False", repr(term.time_out))
     if getattr(term, "noise", 0.0) < 0:
         raise ConfigError(kind, "noise", "0 or more", repr(term.noise))
     if not getattr(term, "clip", 1.0) > 0:
@@ -192,7 +196,7 @@ def _check_params(kind: str, term: Any) -> None:
     if not isinstance(term.params, Mapping):
         raise ConfigError(kind, "params", "a mapping of keywords", type(term.params).__name__)
     try:
-        signature = inspect.signature(term.function)
+        signature = inspect.signature(term.function, follow_wrapped=False)
     except (TypeError, ValueError):  # of a function that does not say
         return
     given = ("env", "indices") if isinstance(term, (EventTerm, CurriculumTerm)) else ("env",)
@@ -215,7 +219,14 @@ def _check_event(event: EventTerm) -> None:
 
 
 def _is_pair(value: Any) -> bool:
-    return isinstance(value, Sequence) and len(value) == 2 and all(isinstance(one, Real) for one in value)
+    return isinstance(value, (Sequence, np.ndarray)) and len(value) == 2 and all(isinstance(x, Real) for x in value)
+
+
+def _is_finite(value: Any) -> bool:
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # of an integer beyond all floats
+        return False
 
 
 def function_name(function: Callable[..., Any]) -> str:

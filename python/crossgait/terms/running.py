@@ -42,6 +42,7 @@ class RunningTerms:
         self._resetting = [owner for owner in self._remembering if has(owner, "reset")]
         self._keepers = Keepers(self.terms)
         self.reward_values: dict[str, FloatArray] = {}
+        self._seeds, self._moment = [0], 0  # what noise of `shown` is drawn from
         self._count = env.num_envs
         self._started = False
         self._intervals = {name: event for name, event in terms.events.items() if event.mode == "interval"}
@@ -70,9 +71,12 @@ class RunningTerms:
     def seed(self, seed: int | Sequence[int]) -> None:
         """Begin the random numbers of terms anew."""
         self.env.random = np.random.default_rng(seed)
+        self._seeds = list(seed) if isinstance(seed, Sequence) else [seed]
+        self._moment = 0
 
     def begin(self, indices: Indices) -> bool:
         """Episodes of `indices` have begun; return whether events may have changed them."""
+        self._moment += 1
         for owner in self._resetting:
             owner.reset(self.env, indices)
         changed = False
@@ -108,7 +112,8 @@ class RunningTerms:
             _call(f"curriculum.{name}", term, self.env, indices)
 
     def terminations(self) -> tuple[Flags, Flags]:
-        """Return which episodes terms terminate and truncate."""
+        """Return which episodes terms terminate and truncate. A step was made."""
+        self._moment += 1
         ended = np.zeros((2, self._count), np.bool_)
         for name, term in self.terms.terminations.items():
             value = _array_of(f"terminations.{name}", term, self.env)
@@ -134,21 +139,28 @@ class RunningTerms:
         return total
 
     def observe(self, group: str) -> FloatArray:
-        """Return the numbers of a group's terms beside each other, (n, width)."""
+        """Return the numbers of a group's terms beside each other, (n, width), and draw their noise."""
+        return self._observed(group, self.env.random)
+
+    def shown(self, group: str) -> FloatArray:
+        """The same to look at, with a noise of its own that changes from step to step: looking changes nothing."""
+        return self._observed(group, np.random.default_rng([*self._seeds, self._moment]))
+
+    def _observed(self, group: str, random: np.random.Generator) -> FloatArray:
         if group not in GROUPS:
             raise ConfigError("terms", "group", f"one of {', '.join(GROUPS)}", repr(group))
         terms = self.terms.observations.get(group, {})
-        parts = [self._observe(f"observations.{group}.{name}", term) for name, term in terms.items()]
+        parts = [self._observe(f"observations.{group}.{name}", term, random) for name, term in terms.items()]
         return np.concatenate(parts, axis=1) if parts else np.zeros((self._count, 0))
 
-    def _observe(self, place: str, term: ObservationTerm) -> FloatArray:
+    def _observe(self, place: str, term: ObservationTerm, random: np.random.Generator) -> FloatArray:
         value = _numbers_of(place, term, self.env)
         if value.ndim == 1:
             value = value[:, None]
         if value.ndim != 2 or value.shape[0] != self._count:
             raise _wrong(place, f"shape ({self._count},) or ({self._count}, k)", value)
         if term.noise:
-            value = value + self.env.random.uniform(-term.noise, term.noise, value.shape)
+            value = value + random.uniform(-term.noise, term.noise, value.shape)
         if term.scale != 1:
             value = value * term.scale
         if term.clip < np.inf:
@@ -281,6 +293,9 @@ def widths(terms: Terms, env: Batch) -> Mapping[str, dict[str, int]]:
     running.seed(0)
     running.begin(np.arange(env.num_envs))
     return {
-        group: {name: running._observe(f"observations.{group}.{name}", term).shape[1] for name, term in members.items()}
+        group: {
+            name: running._observe(f"observations.{group}.{name}", term, env.random).shape[1]
+            for name, term in members.items()
+        }
         for group, members in terms.observations.items()
     }

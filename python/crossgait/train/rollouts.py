@@ -23,6 +23,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
 from crossgait._core import derived_seed
 from crossgait.errors import ConfigError
+from crossgait.notes import Note
 from crossgait.terms import Terms
 from crossgait.train.environments import Kept, TrainingEnvs
 from crossgait.train.learner import Learner
@@ -88,9 +89,11 @@ class Collected:
 def collect(block: Block, given: Given) -> Collected | ConfigError:
     """Collect a block's rollout. Returns what is wrong with the plan here, such as an engine that is missing."""
     try:
-        # Terms may leave their mark on worlds, and those have no key: their environments are made anew.
-        worker = _Worker(given, block) if given.terms else _kept(_Kind(given, block))
-        return worker.collect(block, given)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Note)  # which the trainer tells
+            # Terms may leave their mark on worlds, and those have no key: their environments are made anew.
+            worker = _Worker(given, block) if given.terms else _kept(_Kind(given, block))
+            return worker.collect(block, given)
     except ConfigError as error:
         return error
 
