@@ -144,7 +144,8 @@ class RunningTerms:
 
     def shown(self, group: str) -> FloatArray:
         """The same to look at, with a noise of its own that changes from step to step: looking changes nothing."""
-        return self._observed(group, np.random.default_rng([*self._seeds, self._moment]))
+        noisy = any(term.noise for term in self.terms.observations.get(group, {}).values())
+        return self._observed(group, np.random.default_rng([*self._seeds, self._moment]) if noisy else self.env.random)
 
     def _observed(self, group: str, random: np.random.Generator) -> FloatArray:
         if group not in GROUPS:
