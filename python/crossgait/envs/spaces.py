@@ -20,7 +20,8 @@ def observation_dtype(dtype: npt.DTypeLike) -> np.dtype[Any]:
     except TypeError:  # of what NumPy knows nothing of
         made = None
     if made is None or made not in (np.float64, np.float32):
-        raise ConfigError("environment", "dtype", "float64 or float32", repr(dtype))
+        found = made.name if made is not None and made.isnative else repr(dtype)
+        raise ConfigError("environment", "dtype", "float64 or float32", found)
     return made
 
 
