@@ -83,13 +83,12 @@ LoadedWalk WalkOptions::make() const {
                       error.found());
   }
   const auto robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
-  const GaitScale scale = gait_scale(*robot);
-  made.gait = choose_gait(gait, settings, velocity_command(), scale);
+  made.gait = choose_gait(gait, settings, velocity_command(), gait_scale(*robot));
   made.compensation = !plain_servos;
   made.heading_hold = !open_loop;
   made.terminations = OutcomeSet::of_names(terminations);
   LoadedWalk loaded(made, robot);
-  print_notes(notes_on(loaded, choose_gait(gait, {}, velocity_command(), scale).parameters));
+  print_notes(notes_on(loaded, gait));
   return loaded;
 }
 

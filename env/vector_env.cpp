@@ -67,37 +67,32 @@ void VectorEnv::reset(std::span<const std::uint64_t> seeds, std::span<double> ob
   pool_.run(size(), [&](std::size_t i) { begin_anew(i, seeds[i], true, observations); });
 }
 
-void VectorEnv::check_some(std::span<const std::uint8_t> which, std::span<double> observations) const {
+template <typename Begin>
+void VectorEnv::begin_some(std::span<const std::uint8_t> which, std::span<double> observations,
+                           const Begin& begin) {
   check_size(kVectorEnv, "which", which.size(), size());
   check_size(kVectorEnv, "observations", observations.size(), size() * observation_size());
   if (slots_.front().episode == 0) throw ConfigError(kVectorEnv, "reset_some", "a reset before it", "none");
+  ++revision_;
+  pool_.run(size(), [&](std::size_t i) {
+    if (which[i] != 0) begin(i);
+  });
 }
 
 void VectorEnv::reset_some(std::span<const std::uint8_t> which, std::span<double> observations) {
-  check_some(which, observations);
-  ++revision_;
-  pool_.run(size(), [&](std::size_t i) {
-    if (which[i] != 0) begin_episode(i, row(observations, i));
-  });
+  begin_some(which, observations, [&](std::size_t i) { begin_episode(i, row(observations, i)); });
 }
 
 void VectorEnv::reset_some(std::span<const std::uint8_t> which, std::uint64_t seed,
                            std::span<double> observations) {
-  check_some(which, observations);
-  ++revision_;
-  pool_.run(size(), [&](std::size_t i) {
-    if (which[i] != 0) begin_anew(i, derived_seed(seed, i), false, observations);
-  });
+  begin_some(which, observations,
+             [&](std::size_t i) { begin_anew(i, derived_seed(seed, i), false, observations); });
 }
 
 void VectorEnv::reset_some(std::span<const std::uint8_t> which, std::span<const std::uint64_t> seeds,
                            std::span<double> observations) {
-  check_some(which, observations);
   check_size(kVectorEnv, "seeds", seeds.size(), size());
-  ++revision_;
-  pool_.run(size(), [&](std::size_t i) {
-    if (which[i] != 0) begin_anew(i, seeds[i], true, observations);
-  });
+  begin_some(which, observations, [&](std::size_t i) { begin_anew(i, seeds[i], true, observations); });
 }
 
 void VectorEnv::end_episode(std::size_t i, bool terminated) { edit(i).end_episode(terminated); }

@@ -114,7 +114,8 @@ class VectorEnv {
     }
   };
   void begin_anew(std::size_t i, std::uint64_t seed, bool is_first_seed, std::span<double> observations);
-  void check_some(std::span<const std::uint8_t> which, std::span<double> observations) const;
+  template <typename Begin>
+  void begin_some(std::span<const std::uint8_t> which, std::span<double> observations, const Begin& begin);
   void begin_episode(std::size_t i, std::span<double> observation);
   void step_one(std::size_t i, std::span<const double> actions, const VectorStep& out);
   std::span<double> row(std::span<double> matrix, std::size_t i) const noexcept {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "gait/scale.h"
+#include "motion/gait_source.h"
 #include "study/robot_quantities.h"
 
 namespace crossgait {
@@ -30,13 +31,14 @@ std::vector<std::string> notes_on(const LoadedEnv& environment) {
   return notes;
 }
 
-std::vector<std::string> notes_on(const LoadedWalk& walk, const GaitParameters& usual) {
+std::vector<std::string> notes_on(const LoadedWalk& walk, const std::string& gait) {
   const WalkConfig& config = walk.config;
   const RobotDescription& robot = *walk.world.robot;
+  const GaitScale scale = gait_scale(robot);
+  const GaitParameters usual = choose_gait(gait, {}, config.gait.command, scale).parameters;
   std::vector<std::string> notes =
       step_warnings(robot, resolve_contact(robot.contact, config.contact, "walk"), config.physics_dt);
-  for (std::string& note :
-       parameter_notes(config.gait.parameters, usual, scaled(AdaptationRanges(), gait_scale(robot))))
+  for (std::string& note : parameter_notes(config.gait.parameters, usual, scaled(AdaptationRanges(), scale)))
     notes.push_back(std::move(note));
   return notes;
 }

@@ -130,12 +130,6 @@ constexpr const char* kWalkConstructor =
     "0.002, settle: float = 0.5, compensation: bool = True, heading_hold: bool = True, terminations: "
     "collections.abc.Sequence[str] = ['left_terrain']) -> None";
 
-std::vector<std::string> notes(const PythonWalk& walk) {
-  const LoadedWalk loaded = walk;
-  const GaitScale scale = gait_scale(*loaded.world.robot);
-  return notes_on(loaded, choose_gait(walk.said.gait, {}, walk.gait.command, scale).parameters);
-}
-
 // Three numbers, or a mapping as environments have it.
 Velocity velocity_of(nb::handle command) {
   if (command.is_none()) return std::nullopt;
@@ -151,10 +145,8 @@ void make_walk(PythonWalk* self, const std::string& gait, const nb::object& comm
                WrittenNumber settle, bool compensation, bool heading_hold,
                const std::vector<std::string>& terminations) {
   Settings set;
-  for (const auto& [name, value] : parameters) {
-    if (const auto* number = std::get_if<WrittenNumber>(&value)) set[name] = number->value;
-    if (const auto* text = std::get_if<std::string>(&value)) set[name] = *text;
-  }
+  for (const auto& [name, value] : parameters)
+    std::visit([&setting = set[name]](const auto& v) { setting = v; }, value);
   new (self) PythonWalk(WalkArguments{
       gait, velocity_of(command), set, robot_text(robot, "Walk"), terrain_text(terrain, "Walk"), seed,
       friction ? std::optional(friction->value) : std::nullopt, contact_text_of(contact, "Walk"), seconds,
@@ -180,7 +172,7 @@ void bind_reading(nb::class_<PythonWalk>& c) {
           "parameters", [](const PythonWalk& w) { return parameters_of(w); },
           nb::sig("def parameters(self) -> dict[str, float]"), "Parameters of the gait, all of them.")
       .def_prop_ro(
-          "notes", &notes,
+          "notes", [](const PythonWalk& w) { return notes_on(LoadedWalk(w), w.said.gait); },
           "What is limited or doubtful in it, a sentence each: `walk`, `compare` and `verdict` warn of "
           "it by `crossgait.Note`.")
       .def(

@@ -13,6 +13,7 @@ from __future__ import annotations
 import inspect
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from numbers import Integral
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
@@ -173,20 +174,35 @@ def _environment_beside(policy: str) -> EnvironmentConfig | None:
     raise ConfigError(policy, "environment", f"environment=, or {ENVIRONMENT} beside the policy", "none")
 
 
+def whole_number(value: Any, source: str, element: str) -> int:
+    """An integer of 1 or more. Raises ConfigError for anything else."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
+        raise ConfigError(source, element, "an integer of at least 1", repr(value))
+    return int(value)
+
+
+def misfit(
+    function: Callable[..., Any], arguments: Sequence[Any] = (), keywords: Mapping[str, Any] | None = None
+) -> tuple[str, str] | None:
+    """Return a function as it is declared, and why it does not take these; None if it does, or does not say."""
+    try:
+        signature = inspect.signature(function, follow_wrapped=False)
+    except (TypeError, ValueError):
+        return None
+    try:
+        signature.bind(*arguments, **(keywords or {}))
+    except TypeError as error:
+        return f"{getattr(function, '__name__', type(function).__name__)}{signature}", str(error)
+    return None
+
+
 def check_maker(make: Callable[..., Any], kind: str, argument: str) -> None:
     """Raise ConfigError for what cannot be called without arguments, as far as it says what it takes."""
-    try:
-        signature = inspect.signature(make, follow_wrapped=False)
-    except (TypeError, ValueError):
-        return
-    try:
-        signature.bind()
-    except TypeError:
-        name = getattr(make, "__name__", type(make).__name__)
+    if (wrong := misfit(make)) is not None:
         expected = (
             f"a function without arguments that returns one of {argument}: `lambda: f` of an f that keeps nothing"
         )
-        raise ConfigError(kind, "make", expected, f"{name}{signature}") from None
+        raise ConfigError(kind, "make", expected, wrong[0])
 
 
 def as_engine(value: Any, source: str = "engine") -> str:

@@ -19,10 +19,10 @@ from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_env import Observation
 from crossgait.envs.render_mode import Drawn, frame_size, known_camera, known_render_mode
 from crossgait.envs.seeds import episode_seed, episode_seeds, reset_mask
-from crossgait.envs.spaces import action_array, action_space, observation_dtype, observation_space, whole_number
+from crossgait.envs.spaces import action_array, action_space, observation_dtype, observation_space
 from crossgait.envs.termed_vector import TermedVectorEnvironment, of_those
 from crossgait.errors import ConfigError
-from crossgait.inputs import EngineLike, TerrainLike
+from crossgait.inputs import EngineLike, TerrainLike, whole_number
 from crossgait.layout import EnvironmentLayout
 from crossgait.notes import tell_notes
 from crossgait.terms import Terms
@@ -145,7 +145,6 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         self._camera = known_camera(camera)
         self._critic_width = group_width(made, "critic")
         self._last: npt.NDArray[np.float64] | None = None
-        self._keeps = mode == AutoresetMode.DISABLED  # what `reset` with a mask shows of others
         self._over = np.zeros(num_envs, np.bool_)  # with DISABLED: ended, and not begun anew
 
     def __repr__(self) -> str:
@@ -218,7 +217,6 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             return self._seen(self._last), infos
         if self._last is None:
             raise ConfigError("reset", "reset_mask", "a reset of all before it", "none")
-        self._last = self._last.copy()
         self.core.reset_some(which, self._last, begin)
         self._over &= ~which
         return self._seen(self._last), of_those(which, self.core.infos())
@@ -239,7 +237,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             raise ConfigError("step", "episode", expected, f"{np.count_nonzero(self._over)} that have")
         observations, rewards, terminated, truncated, final = self.core.step(action_array(actions))
         self._last = observations
-        if self._keeps:
+        if self.metadata["autoreset_mode"] == AutoresetMode.DISABLED:
             self._over = terminated | truncated
         infos = self.core.infos()
         if final is not None:

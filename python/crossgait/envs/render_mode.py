@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from crossgait.envs.spaces import whole_number
 from crossgait.errors import ConfigError
+from crossgait.inputs import whole_number
 
 if TYPE_CHECKING:
     from crossgait.viewing.rendering import EnvironmentRenderer

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -23,13 +22,6 @@ def observation_dtype(dtype: npt.DTypeLike) -> np.dtype[Any]:
         found = made.name if made is not None and made.isnative else repr(dtype)
         raise ConfigError("environment", "dtype", "float64 or float32", found)
     return made
-
-
-def whole_number(value: Any, source: str, element: str) -> int:
-    """An integer of 1 or more. Raises ConfigError for anything else."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
-        raise ConfigError(source, element, "an integer of at least 1", repr(value))
-    return int(value)
 
 
 def observation_space(layout: EnvironmentLayout, dtype: np.dtype[Any]) -> spaces.Box:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -13,6 +12,7 @@ import numpy as np
 
 from crossgait._core import reward_terms
 from crossgait.errors import ConfigError
+from crossgait.inputs import misfit
 
 #: Observation groups: what the policy sees, and what a critic may see besides.
 GROUPS = ("policy", "critic")
@@ -23,21 +23,25 @@ MODES: tuple[str, ...] = get_args(Mode)
 Params = Mapping[str, Any]
 
 
+class _Checked:
+    """A term that is checked where it is declared."""
+
+    def __post_init__(self) -> None:
+        """Raise ConfigError for what it cannot be."""
+        _check_term(self)
+
+
 @dataclass(frozen=True)
-class RewardTerm:
+class RewardTerm(_Checked):
     """`weight` times `function(env, **params)`, an array (n,), is added to every step's reward."""
 
     function: Callable[..., Any]
     weight: float = 1.0
     params: Params = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        """Check it. Raises ConfigError."""
-        _check_term(self)
-
 
 @dataclass(frozen=True)
-class ObservationTerm:
+class ObservationTerm(_Checked):
     """Numbers of `function(env, **params)`, an array (n,) or (n, k).
 
     Of a number x the group shows clip(scale (x + n)), n uniform in +-noise.
@@ -49,26 +53,18 @@ class ObservationTerm:
     clip: float = math.inf
     noise: float = 0.0
 
-    def __post_init__(self) -> None:
-        """Check it. Raises ConfigError."""
-        _check_term(self)
-
 
 @dataclass(frozen=True)
-class TerminationTerm:
+class TerminationTerm(_Checked):
     """Ends the episodes where `function(env, **params)`, a bool array (n,), is true: truncated with `time_out`."""
 
     function: Callable[..., Any]
     params: Params = field(default_factory=dict)
     time_out: bool = False
 
-    def __post_init__(self) -> None:
-        """Check it. Raises ConfigError."""
-        _check_term(self)
-
 
 @dataclass(frozen=True)
-class EventTerm:
+class EventTerm(_Checked):
     """Calls `function(env, indices, **params)`, which changes the environments of `indices` (an int array).
 
     `mode` is "startup" (once, in the first episode), "reset" (as an episode begins, before its first observation),
@@ -81,13 +77,9 @@ class EventTerm:
     interval: tuple[float, float] | None = None
     params: Params = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        """Check it. Raises ConfigError."""
-        _check_term(self)
-
 
 @dataclass(frozen=True)
-class CurriculumTerm:
+class CurriculumTerm(_Checked):
     """Calls `function(env, indices, **params)` when the episodes of `indices` have ended, before the next begin.
 
     An object that keeps something from rollout to rollout of a training has a `state()` and a `restore(state)`.
@@ -95,10 +87,6 @@ class CurriculumTerm:
 
     function: Callable[..., Any]
     params: Params = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        """Check it. Raises ConfigError."""
-        _check_term(self)
 
 
 @dataclass(frozen=True)
@@ -195,16 +183,10 @@ def _check_params(kind: str, term: Any) -> None:
     """Whether the function takes what it will be given, as far as it says what it takes."""
     if not isinstance(term.params, Mapping):
         raise ConfigError(kind, "params", "a mapping of keywords", type(term.params).__name__)
-    try:
-        signature = inspect.signature(term.function, follow_wrapped=False)
-    except (TypeError, ValueError):  # of a function that does not say
-        return
     given = ("env", "indices") if isinstance(term, (EventTerm, CurriculumTerm)) else ("env",)
-    try:
-        signature.bind(*given, **term.params)
-    except TypeError as error:
-        expected = f"what {function_name(term.function)}{signature} takes beside {' and '.join(given)}"
-        raise ConfigError(kind, "params", expected, str(error)) from None
+    if (wrong := misfit(term.function, given, term.params)) is not None:
+        declared, why = wrong
+        raise ConfigError(kind, "params", f"what {declared} takes beside {' and '.join(given)}", why)
 
 
 def _check_event(event: EventTerm) -> None:
@@ -227,8 +209,3 @@ def _is_finite(value: Any) -> bool:
         return math.isfinite(value)
     except OverflowError:  # of an integer beyond all floats
         return False
-
-
-def function_name(function: Callable[..., Any]) -> str:
-    """For messages."""
-    return getattr(function, "__name__", type(function).__name__)
